@@ -5,7 +5,8 @@
 //
 // Shapes are paths "M x y L x y ... Z" with the fill of their face. Only the style sheet has the
 // line style, so an editor can change all outlines at once. Text stays text in the font of that
-// name; a reader without the font uses Arial or Helvetica.
+// name; a reader without the font uses Arial or Helvetica. Programs shape text themselves, so a
+// line has its characters in reading order.
 #include "render/picture/canvas.h"
 
 #include <algorithm>
@@ -15,10 +16,12 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include <cairo-ft.h>
 #include <cairo-pdf.h>
 #include <fmt/format.h>
 
@@ -89,6 +92,25 @@ std::string pathOf(const std::vector<Canvas::Points>& lines) {
   return path;
 }
 
+/// Size at which text for pages is shaped, pixels per em: at this size hinting moves glyphs by less
+/// than a thousandth of the em.
+constexpr int kShapingSize = 2048;
+
+/// Lengths are for kShapingSize.
+ShapedLine shapeForPage(const std::string& line, Weight weight) {
+  return LabelWriter(kShapingSize, findFont(weight)).shape(line);
+}
+
+/// The families of a line with fallback fonts; empty for the main font only.
+std::string fallbackStyle(const ShapedLine& line, const std::string& family) {
+  std::vector<std::string> families = {family};
+  for (const TextRun& run : line.runs) {
+    if (std::ranges::find(families, run.family) == families.end()) families.push_back(run.family);
+  }
+  if (families.size() == 1) return {};
+  return fmt::format(" style=\"font-family: '{}', sans-serif\"", fmt::join(families, "', '"));
+}
+
 class SvgCanvas : public Canvas {
  public:
   explicit SvgCanvas(const PageSettings& settings);
@@ -115,12 +137,14 @@ class SvgCanvas : public Canvas {
   }
 
   std::string file_;
+  std::string fontFamily_;
   double silhouetteWidth_;
   int depth_ = 0;  ///< of open groups
   int clips_ = 0;
 };
 
-SvgCanvas::SvgCanvas(const PageSettings& settings) : silhouetteWidth_(settings.silhouetteWidth) {
+SvgCanvas::SvgCanvas(const PageSettings& settings)
+    : fontFamily_(settings.fontFamily), silhouetteWidth_(settings.silhouetteWidth) {
   append(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"{}\" height=\"{}\" "
@@ -203,9 +227,12 @@ void SvgCanvas::box(double left, double upper, double width, double height, Colo
 void SvgCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
                      Weight weight) {
   if (line.empty()) return;
-  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{} fill=\"{}\">{}</text>\n", left,
-         baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "", hex(colour),
-         escaped(line));
+  const ShapedLine shaped = shapeForPage(line, weight);
+  // From right to left, a line ends at its left end.
+  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{}{}{} fill=\"{}\">{}</text>\n", left,
+         baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "",
+         shaped.isRightToLeft ? " direction=\"rtl\" text-anchor=\"end\"" : "",
+         fallbackStyle(shaped, fontFamily_), hex(colour), escaped(line));
 }
 
 std::string SvgCanvas::finish() {
@@ -296,6 +323,7 @@ struct CairoCanvas::Internals {
   double cutSeam = 0;
   std::vector<double> opacities;  ///< of the open parts
   std::string fontFamily;
+  std::map<FontFile, cairo_font_face_t*> fonts;  ///< of shaped text
 
   /// Owns the surface, on which `scale` units are a pixel of the settings.
   Internals(cairo_surface_t* made, double scale, const PageSettings& settings)
@@ -318,6 +346,7 @@ struct CairoCanvas::Internals {
   Internals(const Internals&) = delete;
   Internals& operator=(const Internals&) = delete;
   ~Internals() {
+    for (const auto& [file, font] : fonts) cairo_font_face_destroy(font);
     cairo_destroy(pen);
     cairo_surface_destroy(surface);
   }
@@ -325,6 +354,35 @@ struct CairoCanvas::Internals {
   void choose(Colour colour) const {
     cairo_set_source_rgba(pen, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0,
                           colour.alpha / 255.0);
+  }
+
+  cairo_font_face_t* fontOf(const FontFile& file) {
+    cairo_font_face_t*& font = fonts[file];
+    if (font == nullptr) {
+      font =
+          cairo_ft_font_face_create_for_pattern(static_cast<FcPattern*>(fontPattern(file).get()));
+    }
+    return font;
+  }
+
+  /// A run's glyphs with their characters, which a PDF stores for searches and copies.
+  void show(const TextRun& run, double left, double baseline, int em) {
+    const double scale = static_cast<double>(em) / kShapingSize;
+    std::vector<cairo_glyph_t> glyphs;
+    for (const PlacedGlyph& glyph : run.glyphs) {
+      glyphs.push_back({glyph.number, left + scale * glyph.x, baseline + scale * glyph.y});
+    }
+    std::vector<cairo_text_cluster_t> clusters;
+    for (const GlyphCluster& cluster : run.clusters) {
+      clusters.push_back({cluster.bytes, cluster.glyphs});
+    }
+    cairo_set_font_face(pen, fontOf(run.font));
+    cairo_set_font_size(pen, em);
+    cairo_show_text_glyphs(pen, run.text.data(), static_cast<int>(run.text.size()), glyphs.data(),
+                           static_cast<int>(glyphs.size()), clusters.data(),
+                           static_cast<int>(clusters.size()),
+                           run.isRightToLeft ? CAIRO_TEXT_CLUSTER_FLAG_BACKWARD
+                                             : static_cast<cairo_text_cluster_flags_t>(0));
   }
 
   void trace(const Points& points) const {
@@ -420,10 +478,15 @@ void CairoCanvas::box(double left, double upper, double width, double height, Co
   cairo_fill(internals_->pen);
 }
 
-/// Cairo's simple text interface: no shaping beyond single glyphs.
+/// Cairo's simple text interface has no shaping, so it draws plain lines only.
 void CairoCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
                        Weight weight) {
   internals_->choose(colour);
+  const ShapedLine shaped = shapeForPage(line, weight);
+  if (!shaped.isPlain) {
+    for (const TextRun& run : shaped.runs) internals_->show(run, left, baseline, em);
+    return;
+  }
   cairo_select_font_face(
       internals_->pen, internals_->fontFamily.c_str(), CAIRO_FONT_SLANT_NORMAL,
       weight == Weight::Bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);

@@ -1,22 +1,31 @@
-// Text by FreeType (freetype.org). Each letter is loaded, rendered with 256 levels of coverage and
+// Text by FreeType (freetype.org). Each glyph is loaded, rendered with 256 levels of coverage and
 // blended over the frame,
 //
 //     c = (under (255 - cover) + colour cover) / 255, rounded.
 //
-// Pens count in 64ths of a pixel; glyphs are at whole pixels. There is no kerning and no shaping,
-// which some scripts need: captions are short and mostly figures.
+// Glyphs are at whole pixels. FriBidi orders mixed directions (Unicode Standard Annex 9); the first
+// letter with a direction sets that of the line. A run has one font, script and direction, and
+// HarfBuzz shapes it (harfbuzz.github.io). Latin, Greek and Cyrillic have no kerning and no
+// ligatures: pictures look the same as in vector graphics, where Cairo has neither.
 #include "render/picture/label.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <new>
 #include <sstream>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fontconfig/fontconfig.h>
+#include <fribidi.h>
 #include <ft2build.h>
+#include <hb-ft.h>
+#include <hb.h>
 
 #include "sim/base/error.h"
 
@@ -85,85 +94,6 @@ std::filesystem::path findFont() {
   throw fontError(kKnownPlaces.front());
 }
 
-struct LabelWriter::Face {
-  FT_Library library = nullptr;
-  FT_Face face = nullptr;
-
-  ~Face() {
-    if (face != nullptr) FT_Done_Face(face);
-    if (library != nullptr) FT_Done_FreeType(library);
-  }
-
-  /// The glyph of a letter, drawn on request; the font's box if it lacks the letter.
-  FT_GlyphSlot load(char32_t letter, bool drawn) const {
-    FT_Load_Char(face, letter, drawn ? FT_LOAD_RENDER : FT_LOAD_DEFAULT);
-    return face->glyph;
-  }
-};
-
-LabelWriter::LabelWriter(int pixelsPerEm, const std::filesystem::path& font)
-    : face_(std::make_unique<Face>()) {
-  if (FT_Init_FreeType(&face_->library) != 0 ||
-      FT_New_Face(face_->library, font.c_str(), 0, &face_->face) != 0 ||
-      FT_Set_Pixel_Sizes(face_->face, 0, pixelsPerEm) != 0) {
-    throw fontError(font);
-  }
-}
-
-LabelWriter::~LabelWriter() = default;
-
-std::string fontFamily() {
-  return LabelWriter(1).family();
-}
-
-std::string LabelWriter::family() const {
-  const char* name = face_->face->family_name;
-  return name == nullptr ? "sans-serif" : name;
-}
-
-int LabelWriter::width(const std::string& text) const {
-  long units = 0;
-  for (const char32_t letter : codePoints(text).value_or(kUnknown)) {
-    units += face_->load(letter, false)->advance.x;
-  }
-  return static_cast<int>((units + kPixelUnits - 1) / kPixelUnits);
-}
-
-std::optional<char32_t> LabelWriter::missingGlyph(const std::u32string& text) const {
-  for (const char32_t letter : text) {
-    if (FT_Get_Char_Index(face_->face, letter) == 0) return letter;
-  }
-  return std::nullopt;
-}
-
-void LabelWriter::draw(Frame& frame, const std::string& text, int x, int baseline,
-                       Colour colour) const {
-  long units = static_cast<long>(x) * kPixelUnits;
-  for (const char32_t letter : codePoints(text).value_or(kUnknown)) {
-    const FT_GlyphSlot glyph = face_->load(letter, true);
-    drawGlyph(frame, glyph, static_cast<int>(units / kPixelUnits), baseline, colour);
-    units += glyph->advance.x;
-  }
-}
-
-void requireDrawable(const char* option, const std::string& text) {
-  const std::optional<std::u32string> letters = codePoints(text);
-  if (!letters) {
-    throw InputError(
-        fmt::format("error: {}: '{}' is not UTF-8; give the text in that encoding, which "
-                    "terminals use",
-                    option, shown(text)));
-  }
-  std::u32string drawn = *letters;
-  std::erase(drawn, U'\n');
-  const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(drawn);
-  if (!missing) return;
-  throw InputError(fmt::format(
-      "error: {}: the font has no U+{:04X}, character {} of '{}'; remove it, or set KIRIREEL_FONT "
-      "to a TrueType file that has it",
-      option, static_cast<std::uint32_t>(*missing), letters->find(*missing) + 1, oneLine(text)));
-}
-
 // ------------------------------------------------------------------------------------------------
 // Asks fontconfig (fontconfig.org, Developers Reference) for the best match of a family, and
 // accepts it only if it has that name. fontconfig always finds some font, and nobody would notice a
@@ -228,6 +158,502 @@ std::filesystem::path fontFile(const std::string& family) {
   throw InputError(fmt::format(
       "error: this machine has no font \"{}\"; install it, or give a family from fc-list{}", family,
       nearest.empty() ? "" : fmt::format(", the nearest is \"{}\"", nearest)));
+}
+
+std::shared_ptr<void> fontPattern(const FontFile& font) {
+  FcPattern* pattern = FcPatternCreate();
+  FcPatternAddString(pattern, FC_FILE, reinterpret_cast<const FcChar8*>(font.path.c_str()));
+  FcPatternAddInteger(pattern, FC_INDEX, font.number);
+  return {pattern, FreePattern()};
+}
+
+// ------------------------------------------------------------------------------------------------
+// Fallback fonts. fontconfig sorts the fonts of the machine by the number of missing characters
+// that they have, then by similarity. Each character has the first of these fonts that has it.
+// Fonts of bitmaps or of colours have no outlines for vector graphics, so they are skipped.
+
+namespace {
+
+struct FreeFontSet {
+  void operator()(FcFontSet* set) const { FcFontSetDestroy(set); }
+};
+
+/// Whether a font has a property. Fonts without the property have `absent`.
+bool hasProperty(FcPattern* font, const char* property, bool absent) {
+  FcBool value = absent ? FcTrue : FcFalse;
+  FcPatternGetBool(font, property, 0, &value);
+  return value == FcTrue;
+}
+
+bool isUsable(FcPattern* font) {
+  return hasProperty(font, FC_OUTLINE, true) && !hasProperty(font, FC_COLOR, false) &&
+         !hasProperty(font, FC_VARIABLE, false);
+}
+
+/// The language of the script; Chinese characters have other forms in Japanese and Korean.
+const char* languageOf(const std::u32string& letters) {
+  for (const char32_t letter : letters) {
+    if (letter >= 0x3040 && letter < 0x3100) return "ja";
+    if (letter >= 0xac00 && letter < 0xd7b0) return "ko";
+  }
+  return nullptr;
+}
+
+/// The font of each missing character; empty path: none has it.
+std::vector<FontFile> findFallback(const std::string& family, Weight weight,
+                                   const std::u32string& missing) {
+  FcCharSet* letters = FcCharSetCreate();
+  for (const char32_t letter : missing) FcCharSetAddChar(letters, letter);
+  const OwnedPattern request(FcPatternCreate());
+  FcPatternAddString(request.get(), FC_FAMILY, reinterpret_cast<const FcChar8*>(family.c_str()));
+  FcPatternAddCharSet(request.get(), FC_CHARSET, letters);
+  FcCharSetDestroy(letters);  // the pattern has its own reference
+  FcPatternAddBool(request.get(), FC_SCALABLE, FcTrue);
+  FcPatternAddBool(request.get(), FC_COLOR, FcFalse);
+  if (weight == Weight::Bold) FcPatternAddInteger(request.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
+  if (const char* language = languageOf(missing)) {
+    FcPatternAddString(request.get(), FC_LANG, reinterpret_cast<const FcChar8*>(language));
+  }
+  FcConfigSubstitute(nullptr, request.get(), FcMatchPattern);
+  FcDefaultSubstitute(request.get());
+  FcResult result = FcResultNoMatch;
+  const std::unique_ptr<FcFontSet, FreeFontSet> fonts(
+      FcFontSort(nullptr, request.get(), FcFalse, nullptr, &result));
+  std::vector<FontFile> found(missing.size());
+  if (!fonts) return found;
+  for (int k = 0; k < fonts->nfont; ++k) {
+    FcPattern* font = fonts->fonts[k];
+    FcCharSet* has = nullptr;
+    if (!isUsable(font) || FcPatternGetCharSet(font, FC_CHARSET, 0, &has) != FcResultMatch) {
+      continue;
+    }
+    FontFile file{textOf(font, FC_FILE)};
+    FcPatternGetInteger(font, FC_INDEX, 0, &file.number);
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+      if (found[i].path.empty() && FcCharSetHasChar(has, missing[i])) found[i] = file;
+    }
+  }
+  return found;
+}
+
+/// The same, searched once: each frame of a video has the same texts.
+std::vector<FontFile> fallbackFonts(const std::string& family, Weight weight,
+                                    const std::u32string& missing) {
+  static std::mutex mutex;
+  static std::map<std::tuple<std::string, Weight, std::u32string>, std::vector<FontFile>> known;
+  const std::lock_guard lock(mutex);
+  const auto [entry, isNew] = known.try_emplace({family, weight, missing});
+  if (isNew) entry->second = findFallback(family, weight, missing);
+  return entry->second;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Shaping.
+
+hb_unicode_general_category_t categoryOf(char32_t letter) {
+  return hb_unicode_general_category(hb_unicode_funcs_get_default(), letter);
+}
+
+hb_script_t scriptOf(char32_t letter) {
+  return hb_unicode_script(hb_unicode_funcs_get_default(), letter);
+}
+
+/// Part of the character before it.
+bool isMark(char32_t letter) {
+  const hb_unicode_general_category_t category = categoryOf(letter);
+  return category == HB_UNICODE_GENERAL_CATEGORY_NON_SPACING_MARK ||
+         category == HB_UNICODE_GENERAL_CATEGORY_ENCLOSING_MARK ||
+         category == HB_UNICODE_GENERAL_CATEGORY_SPACING_MARK;
+}
+
+/// Joiners, directions and selectors of variants, which need no glyph.
+bool isInvisible(char32_t letter) {
+  return letter == 0xad || categoryOf(letter) == HB_UNICODE_GENERAL_CATEGORY_FORMAT ||
+         (letter >= 0xfe00 && letter <= 0xfe0f) || (letter >= 0xe0100 && letter <= 0xe01ef);
+}
+
+/// The script of each character. Spaces, digits and marks have that of the text before them.
+std::vector<hb_script_t> scriptsOf(const std::u32string& letters) {
+  std::vector<hb_script_t> scripts;
+  hb_script_t last = HB_SCRIPT_COMMON;
+  for (const char32_t letter : letters) {
+    const hb_script_t script = scriptOf(letter);
+    if (script != HB_SCRIPT_COMMON && script != HB_SCRIPT_INHERITED) last = script;
+    scripts.push_back(last);
+  }
+  return scripts;
+}
+
+/// Embedding levels of Unicode Standard Annex 9; odd: right to left.
+struct Directions {
+  std::vector<FriBidiLevel> levels;  ///< one per character
+  bool isRightToLeft = false;        ///< the line
+};
+
+Directions directionsOf(const std::u32string& letters) {
+  const std::vector<FriBidiChar> text(letters.begin(), letters.end());
+  const auto count = static_cast<FriBidiStrIndex>(text.size());
+  std::vector<FriBidiCharType> types(text.size());
+  std::vector<FriBidiBracketType> brackets(text.size());
+  Directions directions{std::vector<FriBidiLevel>(text.size())};
+  fribidi_get_bidi_types(text.data(), count, types.data());
+  fribidi_get_bracket_types(text.data(), count, types.data(), brackets.data());
+  FriBidiParType line = FRIBIDI_PAR_ON;
+  if (fribidi_get_par_embedding_levels_ex(types.data(), brackets.data(), count, &line,
+                                          directions.levels.data()) == 0) {
+    throw std::bad_alloc();  // its only failure
+  }
+  directions.isRightToLeft = FRIBIDI_IS_RTL(line);
+  return directions;
+}
+
+/// Characters in one font, script and direction.
+struct Span {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  std::size_t font = 0;
+  hb_script_t script = HB_SCRIPT_COMMON;
+  FriBidiLevel level = 0;
+};
+
+/// Rule L2 of the annex: reverses each sequence of spans at or above each level, from the highest.
+void orderOnPage(std::vector<Span>& spans) {
+  FriBidiLevel highest = 0;
+  for (const Span& span : spans) highest = std::max(highest, span.level);
+  for (int level = highest; level > 0; --level) {
+    const auto isBelow = [level](const Span& span) { return span.level < level; };
+    for (auto first = spans.begin(); first != spans.end();) {
+      const auto end = std::find_if(first, spans.end(), isBelow);
+      std::reverse(first, end);
+      first = end == spans.end() ? end : end + 1;
+    }
+  }
+}
+
+/// Scripts without joined letters.
+bool isSimple(hb_script_t script) {
+  return script == HB_SCRIPT_LATIN || script == HB_SCRIPT_GREEK || script == HB_SCRIPT_CYRILLIC ||
+         script == HB_SCRIPT_COMMON;
+}
+
+struct FreeBuffer {
+  void operator()(hb_buffer_t* buffer) const { hb_buffer_destroy(buffer); }
+};
+using OwnedBuffer = std::unique_ptr<hb_buffer_t, FreeBuffer>;
+
+/// Glyphs of a span; their clusters are numbers of characters.
+OwnedBuffer shapeSpan(const std::u32string& letters, const Span& span, hb_font_t* font) {
+  OwnedBuffer buffer(hb_buffer_create());
+  hb_buffer_add_utf32(buffer.get(), reinterpret_cast<const std::uint32_t*>(letters.data()),
+                      static_cast<int>(letters.size()), static_cast<unsigned>(span.first),
+                      static_cast<int>(span.end - span.first));
+  hb_buffer_set_direction(buffer.get(), span.level % 2 == 1 ? HB_DIRECTION_RTL : HB_DIRECTION_LTR);
+  hb_buffer_set_script(buffer.get(), span.script);
+  // Else HarfBuzz takes it from the locale.
+  hb_buffer_set_language(buffer.get(), hb_language_from_string("und", -1));
+  std::vector<hb_feature_t> features;
+  if (isSimple(span.script)) {
+    for (const char* off : {"-kern", "-liga", "-clig"}) {
+      hb_feature_from_string(off, -1, &features.emplace_back());
+    }
+  }
+  hb_shape(font, buffer.get(), features.data(), static_cast<unsigned>(features.size()));
+  return buffer;
+}
+
+int bytesOf(char32_t letter) {
+  return letter < 0x80 ? 1 : letter < 0x800 ? 2 : letter < 0x10000 ? 3 : 4;
+}
+
+/// Bytes in UTF-8 of the characters from `first` to before `end`.
+int bytesOf(const std::u32string& letters, std::size_t first, std::size_t end) {
+  int bytes = 0;
+  for (std::size_t k = first; k < end; ++k) bytes += bytesOf(letters[k]);
+  return bytes;
+}
+
+/// In reading order. clusters: of the glyphs from left to right.
+std::vector<GlyphCluster> clustersOf(std::vector<unsigned> clusters, const Span& span,
+                                     const std::u32string& letters) {
+  if (span.level % 2 == 1) std::ranges::reverse(clusters);
+  std::vector<GlyphCluster> result;
+  for (std::size_t k = 0; k < clusters.size();) {
+    std::size_t next = k;
+    while (next < clusters.size() && clusters[next] == clusters[k]) ++next;
+    const std::size_t end = next < clusters.size() ? clusters[next] : span.end;
+    result.push_back({bytesOf(letters, clusters[k], end), static_cast<int>(next - k)});
+    k = next;
+  }
+  return result;
+}
+
+}  // namespace
+
+/// The main font, then the fallback fonts that were needed.
+struct LabelWriter::Fonts {
+  struct Font {
+    FontFile file;
+    FT_Face face = nullptr;
+    hb_font_t* shaper = nullptr;
+  };
+
+  int pixelsPerEm;
+  FT_Library library = nullptr;
+  std::vector<Font> fonts;
+
+  explicit Fonts(int pixels) : pixelsPerEm(pixels) {}
+  Fonts(const Fonts&) = delete;
+  Fonts& operator=(const Fonts&) = delete;
+  ~Fonts() {
+    for (const Font& font : fonts) {
+      if (font.shaper != nullptr) hb_font_destroy(font.shaper);
+      if (font.face != nullptr) FT_Done_Face(font.face);
+    }
+    if (library != nullptr) FT_Done_FreeType(library);
+  }
+
+  /// The number of a font, which it opens on first use.
+  std::size_t open(const FontFile& file) {
+    const auto known = std::ranges::find(fonts, file, &Font::file);
+    if (known != fonts.end()) return static_cast<std::size_t>(known - fonts.begin());
+    Font& font = fonts.emplace_back(Font{file});
+    if (FT_New_Face(library, file.path.c_str(), file.number, &font.face) != 0 ||
+        FT_Set_Pixel_Sizes(font.face, 0, pixelsPerEm) != 0) {
+      throw fontError(file.path);
+    }
+    font.shaper = hb_ft_font_create_referenced(font.face);
+    hb_ft_font_set_load_flags(font.shaper, FT_LOAD_DEFAULT);
+    return fonts.size() - 1;
+  }
+
+  std::string familyOf(std::size_t font) const {
+    const char* name = fonts[font].face->family_name;
+    return name == nullptr ? "sans-serif" : name;
+  }
+
+  bool has(std::size_t font, char32_t letter) const {
+    return FT_Get_Char_Index(fonts[font].face, letter) != 0;
+  }
+
+  /// The characters that need a fallback font, each once, ascending.
+  std::u32string missingOf(const std::u32string& letters) const {
+    std::u32string missing;
+    for (const char32_t letter : letters) {
+      if (!has(0, letter) && !isInvisible(letter)) missing += letter;
+    }
+    std::ranges::sort(missing);
+    const auto [first, end] = std::ranges::unique(missing);
+    missing.erase(first, end);
+    return missing;
+  }
+
+  std::vector<FontFile> fallbackFor(const std::u32string& missing) const {
+    if (missing.empty()) return {};
+    const bool isBold = (fonts[0].face->style_flags & FT_STYLE_FLAG_BOLD) != 0;
+    return fallbackFonts(familyOf(0), isBold ? Weight::Bold : Weight::Regular, missing);
+  }
+
+  /// The font of each character. A mark has that of its base if it can.
+  std::vector<std::size_t> fontsFor(const std::u32string& letters) {
+    const std::u32string missing = missingOf(letters);
+    const std::vector<FontFile> fallback = fallbackFor(missing);
+    std::vector<std::size_t> result;
+    for (const char32_t letter : letters) {
+      std::size_t font = 0;
+      if (!result.empty() &&
+          (isInvisible(letter) || (isMark(letter) && has(result.back(), letter)))) {
+        font = result.back();
+      } else if (const std::size_t k = missing.find(letter);
+                 k != std::u32string::npos && !fallback[k].path.empty()) {
+        font = open(fallback[k]);
+      }
+      result.push_back(font);
+    }
+    return result;
+  }
+
+  /// In reading order.
+  std::vector<Span> spansOf(const std::u32string& letters,
+                            const std::vector<FriBidiLevel>& levels) {
+    const std::vector<hb_script_t> scripts = scriptsOf(letters);
+    const std::vector<std::size_t> fontOf = fontsFor(letters);
+    std::vector<Span> spans;
+    for (std::size_t k = 0; k < letters.size(); ++k) {
+      const Span next{k, k + 1, fontOf[k], scripts[k], levels[k]};
+      if (!spans.empty() && spans.back().font == next.font && spans.back().level == next.level &&
+          spans.back().script == next.script) {
+        spans.back().end = next.end;
+      } else {
+        spans.push_back(next);
+      }
+    }
+    return spans;
+  }
+
+  bool isPlain(const Span& span, const std::vector<PlacedGlyph>& glyphs,
+               const std::u32string& letters) const {
+    if (span.font != 0 || span.level != 0 || glyphs.size() != span.end - span.first) return false;
+    for (std::size_t k = 0; k < glyphs.size(); ++k) {
+      if (glyphs[k].y != 0 ||
+          glyphs[k].number != FT_Get_Char_Index(fonts[0].face, letters[span.first + k]))
+        return false;
+    }
+    return true;
+  }
+};
+
+LabelWriter::LabelWriter(int pixelsPerEm, const std::filesystem::path& font)
+    : fonts_(std::make_unique<Fonts>(pixelsPerEm)) {
+  if (FT_Init_FreeType(&fonts_->library) != 0) throw fontError(font);
+  fonts_->open({font});
+}
+
+LabelWriter::~LabelWriter() = default;
+
+std::string fontFamily() {
+  return LabelWriter(1).family();
+}
+
+std::string LabelWriter::family() const {
+  return fonts_->familyOf(0);
+}
+
+ShapedLine LabelWriter::shape(const std::string& text) const {
+  const std::u32string letters = codePoints(text).value_or(kUnknown);
+  const Directions directions = directionsOf(letters);
+  std::vector<Span> spans = fonts_->spansOf(letters, directions.levels);
+  orderOnPage(spans);
+  ShapedLine line{.isRightToLeft = directions.isRightToLeft};
+  long pen = 0;  // in FreeType's units
+  for (const Span& span : spans) {
+    const OwnedBuffer buffer = shapeSpan(letters, span, fonts_->fonts[span.font].shaper);
+    unsigned count = 0;
+    const hb_glyph_info_t* glyphs = hb_buffer_get_glyph_infos(buffer.get(), &count);
+    const hb_glyph_position_t* places = hb_buffer_get_glyph_positions(buffer.get(), &count);
+    TextRun run{.font = fonts_->fonts[span.font].file,
+                .family = fonts_->familyOf(span.font),
+                .isRightToLeft = span.level % 2 == 1};
+    std::vector<unsigned> clusters;
+    for (unsigned k = 0; k < count; ++k) {
+      run.glyphs.push_back({glyphs[k].codepoint,
+                            static_cast<double>(pen + places[k].x_offset) / kPixelUnits,
+                            -static_cast<double>(places[k].y_offset) / kPixelUnits});
+      clusters.push_back(glyphs[k].cluster);
+      pen += places[k].x_advance;
+    }
+    run.clusters = clustersOf(std::move(clusters), span, letters);
+    if (codePoints(text)) {
+      run.text =
+          text.substr(bytesOf(letters, 0, span.first), bytesOf(letters, span.first, span.end));
+    } else {
+      run.text = "\ufffd";
+    }
+    line.isPlain = line.isPlain && fonts_->isPlain(span, run.glyphs, letters);
+    line.runs.push_back(std::move(run));
+  }
+  line.width = static_cast<double>(pen) / kPixelUnits;
+  return line;
+}
+
+int LabelWriter::width(const std::string& text) const {
+  return static_cast<int>(std::ceil(shape(text).width));
+}
+
+std::optional<char32_t> LabelWriter::missingGlyph(const std::u32string& text) const {
+  const std::u32string missing = fonts_->missingOf(text);
+  const std::vector<FontFile> fallback = fonts_->fallbackFor(missing);
+  for (const char32_t letter : text) {
+    const std::size_t k = missing.find(letter);
+    if (k != std::u32string::npos && fallback[k].path.empty()) return letter;
+  }
+  return std::nullopt;
+}
+
+void LabelWriter::draw(Frame& frame, const std::string& text, int x, int baseline,
+                       Colour colour) const {
+  for (const TextRun& run : shape(text).runs) {
+    const FT_Face face = fonts_->fonts[fonts_->open(run.font)].face;
+    for (const PlacedGlyph& glyph : run.glyphs) {
+      if (FT_Load_Glyph(face, glyph.number, FT_LOAD_RENDER) != 0) continue;
+      drawGlyph(frame, face->glyph, static_cast<int>(x + glyph.x),
+                baseline + static_cast<int>(std::lround(glyph.y)), colour);
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// Refusal of text that no font has.
+
+namespace {
+
+/// Debian's package with the letters of some scripts (ISO 15924).
+struct ScriptPackage {
+  const char* name;
+  const char* package;
+  std::vector<hb_script_t> scripts;
+};
+
+const std::vector<ScriptPackage>& scriptPackages() {
+  static const std::vector<ScriptPackage> table = {
+      {"Chinese or Japanese", "fonts-noto-cjk", {HB_SCRIPT_HAN, HB_SCRIPT_BOPOMOFO}},
+      {"Japanese", "fonts-noto-cjk", {HB_SCRIPT_HIRAGANA, HB_SCRIPT_KATAKANA}},
+      {"Korean", "fonts-noto-cjk", {HB_SCRIPT_HANGUL}},
+      {"Arabic", "fonts-noto-core", {HB_SCRIPT_ARABIC}},
+      {"Hebrew", "fonts-noto-core", {HB_SCRIPT_HEBREW}},
+      {"Devanagari", "fonts-noto-core", {HB_SCRIPT_DEVANAGARI}},
+      {"Thai", "fonts-noto-core", {HB_SCRIPT_THAI}},
+      {"Latin, Greek or Cyrillic",
+       "fonts-dejavu-core",
+       {HB_SCRIPT_LATIN, HB_SCRIPT_GREEK, HB_SCRIPT_CYRILLIC}},
+      {"a symbol or emoji", "fonts-symbola", {HB_SCRIPT_COMMON, HB_SCRIPT_INHERITED}},
+      {"another script", "fonts-noto-core", {}},
+  };
+  return table;
+}
+
+/// Null for characters that have no glyph in any font, such as control characters.
+const ScriptPackage* packageFor(char32_t letter) {
+  switch (categoryOf(letter)) {
+    case HB_UNICODE_GENERAL_CATEGORY_CONTROL:
+    case HB_UNICODE_GENERAL_CATEGORY_PRIVATE_USE:
+    case HB_UNICODE_GENERAL_CATEGORY_UNASSIGNED:
+      return nullptr;
+    default:
+      break;
+  }
+  const bool isWide =
+      (letter >= 0x3000 && letter < 0x3400) || (letter >= 0xff00 && letter < 0xfff0);
+  const hb_script_t own = scriptOf(letter);
+  const hb_script_t script = own == HB_SCRIPT_COMMON && isWide ? HB_SCRIPT_HAN : own;
+  for (const ScriptPackage& row : scriptPackages()) {
+    if (std::ranges::find(row.scripts, script) != row.scripts.end()) return &row;
+  }
+  return &scriptPackages().back();
+}
+
+}  // namespace
+
+void requireDrawable(const char* option, const std::string& text) {
+  const std::optional<std::u32string> letters = codePoints(text);
+  if (!letters) {
+    throw InputError(
+        fmt::format("error: {}: '{}' is not UTF-8; give the text in that encoding, which "
+                    "terminals use",
+                    option, shown(text)));
+  }
+  std::u32string drawn = *letters;
+  std::erase(drawn, U'\n');
+  const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(drawn);
+  if (!missing) return;
+  const std::size_t place = letters->find(*missing);
+  const ScriptPackage* row = packageFor(*missing);
+  const std::string start =
+      fmt::format("error: {}: no font has U+{:04X}", option, static_cast<std::uint32_t>(*missing));
+  const std::string in = fmt::format("character {} of '{}'", place + 1, oneLine(text));
+  if (row == nullptr) throw InputError(fmt::format("{}, {}; remove it", start, in));
+  throw InputError(fmt::format("{} '{}' ({}), {}; install Debian's {}, or remove it", start,
+                               text.substr(bytesOf(*letters, 0, place), bytesOf(*missing)),
+                               row->name, in, row->package));
 }
 
 // ------------------------------------------------------------------------------------------------

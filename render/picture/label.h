@@ -35,7 +35,51 @@ std::filesystem::path findFont(Weight weight);
 /// The name of that font's family, for example "DejaVu Sans".
 std::string fontFamily();
 
-/// Draws lines of text in one size.
+/// A face in a font file.
+struct FontFile {
+  std::filesystem::path path;
+  int number = 0;  ///< of the face in the file; collections have several
+
+  bool operator==(const FontFile&) const = default;
+  auto operator<=>(const FontFile&) const = default;
+};
+
+/// fontconfig's pattern of a face, an FcPattern, which Cairo opens.
+std::shared_ptr<void> fontPattern(const FontFile& font);
+
+/// A glyph of a shaped line. Lengths are pixels.
+struct PlacedGlyph {
+  unsigned number = 0;  ///< in its font; 0: the box for missing characters
+  double x = 0;         ///< from the left end of the line
+  double y = 0;         ///< below the baseline
+};
+
+/// Characters that are shaped together, and their glyphs.
+struct GlyphCluster {
+  int bytes = 0;   ///< of the run's text
+  int glyphs = 0;  ///< of the run's glyphs
+};
+
+/// A part of a line in one font and one direction.
+struct TextRun {
+  FontFile font;
+  std::string family;  ///< name of the font's family
+  bool isRightToLeft = false;
+  std::string text;                    ///< UTF-8, in reading order
+  std::vector<PlacedGlyph> glyphs;     ///< from left to right
+  std::vector<GlyphCluster> clusters;  ///< in reading order
+};
+
+/// A line with its letters joined and in their order on the page.
+struct ShapedLine {
+  std::vector<TextRun> runs;   ///< from left to right
+  double width = 0;            ///< pixels
+  bool isPlain = true;         ///< one glyph per character, from left to right, in the main font
+  bool isRightToLeft = false;  ///< the first letter with a direction is of such a script
+};
+
+/// Draws lines of text in one size. A character that the font lacks is drawn in a fallback font,
+/// which fontconfig finds.
 class LabelWriter {
  public:
   /// pixelsPerEm: size of the text, >= 1. Throws OutputError if the font cannot be
@@ -48,11 +92,14 @@ class LabelWriter {
   /// The name of the font's family.
   std::string family() const;
 
-  /// Width of one line of UTF-8 text, pixels, rounded up. The font's box replaces each missing
-  /// character and invalid UTF-8.
+  /// Shapes one line of UTF-8 text. The font's box replaces each missing character and invalid
+  /// UTF-8.
+  ShapedLine shape(const std::string& text) const;
+
+  /// Width of the shaped line, pixels, rounded up.
   int width(const std::string& text) const;
 
-  /// The first character missing in the font; absent if it has all.
+  /// The first character missing in the font and in all fallback fonts; absent if none is missing.
   std::optional<char32_t> missingGlyph(const std::u32string& text) const;
 
   /// Draws one line of UTF-8 text: the pen starts at x, the letters' baseline is row `baseline`.
@@ -60,12 +107,13 @@ class LabelWriter {
   void draw(Frame& frame, const std::string& text, int x, int baseline, Colour colour) const;
 
  private:
-  struct Face;
-  std::unique_ptr<Face> face_;
+  struct Fonts;
+  std::unique_ptr<Fonts> fonts_;
 };
 
-/// Throws InputError with the option's name if a text is not UTF-8 or has a character missing in
-/// the font, and OutputError if the font is missing. Line feeds are allowed.
+/// Throws InputError with the option's name if a text is not UTF-8 or has a character that
+/// no font has, with Debian's package for its script. Throws OutputError if the main font is
+/// missing. Line feeds are allowed.
 void requireDrawable(const char* option, const std::string& text);
 
 // ------------------------------------------------------------------------------------------------

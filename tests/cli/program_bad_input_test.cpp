@@ -116,15 +116,33 @@ TEST(BadCommandLine, TellsTheRangeThatItKeeps) {
   }
 }
 
-TEST(BadCommandLine, TitleThatTheFontCannotWrite) {
+TEST(BadCommandLine, TitleThatNoFontCanWrite) {
   const ScratchFolder scratch;
+  // A machine with DejaVu Sans only.
+  writeTextFile(scratch / "fonts.conf",
+                "<fontconfig><dir>/usr/share/fonts/truetype/dejavu</dir><cachedir>" +
+                    (scratch / "cache").string() + "</cachedir></fontconfig>");
+  ::setenv("FONTCONFIG_FILE", (scratch / "fonts.conf").c_str(), 1);
   const auto record = [&](const std::string& title) {
     return runKirireel({"record", shippedModel("tessellation_4x4").string(), "--title", title,
                         "--out", (scratch / "out").string()});
   };
   expectOneLine(record("caf\u00e9 \u4e2d"), 2,
-                "error: --title: the font has no U+4E2D, character 6 of 'caf\u00e9 \u4e2d'; remove "
-                "it, or set KIRIREEL_FONT to a TrueType file that has it");
+                "error: --title: no font has U+4E2D '\u4e2d' (Chinese or Japanese), character 6 of "
+                "'caf\u00e9 \u4e2d'; install Debian's fonts-noto-cjk, or remove it");
+  expectOneLine(record("\u3002"), 2, "(Chinese or Japanese), character 1 of '\u3002'");
+  expectOneLine(record("\u304b"), 2, "(Japanese), character 1");
+  expectOneLine(record("\ud55c"), 2, "(Korean), character 1");
+  expectOneLine(record("\u0939"), 2,
+                "(Devanagari), character 1 of '\u0939'; install Debian's "
+                "fonts-noto-core, or remove it");
+  expectOneLine(record("\u0e01"), 2, "(Thai), character 1");
+  expectOneLine(record("\U0001f9e9"), 2,
+                "U+1F9E9 '\U0001f9e9' (a symbol or emoji), character 1 of "
+                "'\U0001f9e9'; install Debian's fonts-symbola, or remove");
+  expectOneLine(record("\u0b95"), 2, "(another script), character 1");
+  expectOneLine(record("a\x07"), 2, "no font has U+0007, character 2 of 'a?'; remove it");
+  ::unsetenv("FONTCONFIG_FILE");
   expectOneLine(record("caf\xe9"), 2,
                 "error: --title: 'caf?' is not UTF-8; give the text in that encoding");
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));

@@ -207,7 +207,8 @@ PACKAGES = {"Eigen3": "libeigen3-dev", "fmt": "libfmt-dev", "tomlplusplus": "lib
 MODULES = {"hdf5": "libhdf5-dev", "bullet": "libbullet-dev", "assimp": "libassimp-dev",
            "cairo": "libcairo2-dev", "libavcodec": "libavcodec-dev", "libavfilter": "libavfilter-dev",
            "libavformat": "libavformat-dev", "libavutil": "libavutil-dev",
-           "fontconfig": "libfontconfig-dev", "freetype2": "libfreetype-dev", "libpng": "libpng-dev",
+           "fontconfig": "libfontconfig-dev", "freetype2": "libfreetype-dev",
+           "fribidi": "libfribidi-dev", "harfbuzz": "libharfbuzz-dev", "libpng": "libpng-dev",
            "egl": "libegl-dev", "osmesa": "libosmesa6-dev"}
 
 

@@ -182,6 +182,8 @@ TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
   EXPECT_THAT(usersOf("cairo.*"), SizeIs(1));
   EXPECT_THAT(usersOf("fontconfig/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("ft2build\\.h|FT_.*|freetype/.*"), SizeIs(1));
+  EXPECT_THAT(usersOf("fribidi.*"), SizeIs(1));
+  EXPECT_THAT(usersOf("hb\\.h|hb-.*|harfbuzz/.*"), SizeIs(1));
 }
 
 TEST(Boundaries, SimulationHasNoOptionalLibraries) {

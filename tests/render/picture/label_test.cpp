@@ -3,10 +3,12 @@
 #include <cstdlib>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "tests/support/program.h"
 
 namespace kirireel {
 namespace {
@@ -60,8 +62,119 @@ TEST(LabelWriter, ReadsUtf8) {
 TEST(LabelWriter, KnowsWhichGlyphsItsFontLacks) {
   const picture::LabelWriter writer(20);
   EXPECT_FALSE(writer.missingGlyph(U"Caf\u00e9 30\u00b0 \u03b1\u03a9 \u00e4\u00f6\u00fc"));
-  EXPECT_EQ(writer.missingGlyph(U"a\u4e2d\u6587"), U'\u4e2d');
-  EXPECT_NO_THROW(writer.width("\xff"));  // not UTF-8: the font's box
+  EXPECT_EQ(writer.missingGlyph(U"a\U0010fffd\u4e2d"), U'\U0010fffd');  // of no script
+  EXPECT_NO_THROW(writer.width("\xff"));                                // not UTF-8: the font's box
+}
+
+picture::Frame pictureOf(const std::string& text) {
+  picture::Frame frame = picture::makeFrame({400, 60}, kWhite);
+  picture::LabelWriter(30).draw(frame, text, 10, 40, kBlack);
+  return frame;
+}
+
+/// Glyphs of a text in one run.
+std::vector<unsigned> glyphsOf(const std::string& text) {
+  std::vector<unsigned> numbers;
+  for (const picture::TextRun& run : picture::LabelWriter(30).shape(text).runs) {
+    for (const picture::PlacedGlyph& glyph : run.glyphs) numbers.push_back(glyph.number);
+  }
+  return numbers;
+}
+
+TEST(Shaping, IsThatOfHarfBuzz) {
+  if (!test::hasProgram("hb-shape")) {
+    GTEST_SKIP() << "no hb-shape here; scripts/setup --with-tools installs libharfbuzz-bin";
+  }
+  // hb-shape counts in units of the font; DejaVu Sans has 2048 per em.
+  const picture::LabelWriter writer(2048);
+  for (const char* text : {"سلام", "لا إله", "שלום", "AVATAR office", "αβγ"}) {
+    const bool isSimple = text[0] == 'A';
+    const std::string expected = test::outputOf(fmt::format(
+        "hb-shape --no-glyph-names --no-clusters --shaper=ot {} {} '{}'",
+        isSimple ? "--features=-kern,-liga,-clig" : "", picture::findFont().string(), text));
+    ASSERT_FALSE(expected.empty()) << text;
+    std::vector<unsigned> numbers;
+    double width = 0;
+    for (std::size_t at = 0; at != std::string::npos; at = expected.find('|', at + 1)) {
+      numbers.push_back(static_cast<unsigned>(std::stoul(expected.substr(at + 1))));
+      width += std::stod(expected.substr(expected.find('+', at)));
+    }
+    EXPECT_EQ(glyphsOf(text), numbers) << text << ' ' << expected;
+    EXPECT_NEAR(writer.shape(text).width, width, 1e-3 * width) << text;  // measured: HINTING
+  }
+}
+
+TEST(Shaping, JoinsArabicLetters) {
+  const std::vector<unsigned> word = glyphsOf("بيت");
+  ASSERT_EQ(word.size(), 3U);
+  // From left to right the last letter is first.
+  EXPECT_NE(word[0], glyphsOf("ت")[0]);
+  EXPECT_NE(word[1], glyphsOf("ي")[0]);
+  EXPECT_NE(word[2], glyphsOf("ب")[0]);
+  EXPECT_EQ(glyphsOf("دار").size(), 3U);
+  EXPECT_EQ(glyphsOf("لا").size(), 1U);  // a ligature that the script requires
+}
+
+TEST(Shaping, WritesHebrewFromTheRight) {
+  picture::Frame expected = picture::makeFrame({400, 60}, kWhite);
+  const picture::LabelWriter writer(30);
+  int pen = 10;
+  for (const char* letter : {"ם", "ו", "ל", "ש"}) {
+    writer.draw(expected, letter, pen, 40, kBlack);
+    pen += writer.width(letter);
+  }
+  EXPECT_EQ(pictureOf("שלום").pixels, expected.pixels);
+  EXPECT_EQ(writer.width("שלום"), pen - 10);
+}
+
+TEST(Shaping, OrdersMixedLines) {
+  // The override of U+202D keeps the order on the page. Expected orders: Unicode Standard Annex 9.
+  const auto onPage = [](const std::string& text) { return pictureOf("\u202d" + text).pixels; };
+  EXPECT_EQ(pictureOf("abc אבג 12").pixels, onPage("abc 12 גבא"));
+  EXPECT_EQ(pictureOf("אבג abc").pixels, onPage("abc גבא"));
+  EXPECT_EQ(pictureOf("אבג (abc) 12").pixels, onPage("12 (abc) גבא"));
+  EXPECT_EQ(pictureOf("a אב cd גד e").pixels, onPage("a בא cd דג e"));
+  EXPECT_NE(pictureOf("אבג abc").pixels, onPage("אבג abc"));
+  EXPECT_TRUE(picture::LabelWriter(30).shape("12 אבג abc").isRightToLeft);
+  EXPECT_FALSE(picture::LabelWriter(30).shape("12 abc אבג").isRightToLeft);
+}
+
+TEST(Shaping, LeavesPlainTextAlone) {
+  const picture::LabelWriter writer(20);
+  EXPECT_TRUE(writer.shape("AVATAR office, \u03b1 = 30\u00b0").isPlain);
+  EXPECT_FALSE(writer.shape("שלום").isPlain);
+  EXPECT_EQ(writer.shape("").width, 0);
+  EXPECT_EQ(writer.width("AV"), writer.width("A") + writer.width("V"));
+  EXPECT_EQ(writer.width("a\u0301"), writer.width("\u00e1"));  // a mark has no width
+}
+
+TEST(Shaping, CoversAllCharactersOfARun) {
+  for (const char* text : {"سلام abc لا", "שלום", "e\u0301a", "\xff"}) {
+    for (const picture::TextRun& run : picture::LabelWriter(20).shape(text).runs) {
+      int bytes = 0, glyphs = 0;
+      for (const picture::GlyphCluster& cluster : run.clusters) {
+        bytes += cluster.bytes;
+        glyphs += cluster.glyphs;
+      }
+      EXPECT_EQ(bytes, static_cast<int>(run.text.size())) << text;
+      EXPECT_EQ(glyphs, static_cast<int>(run.glyphs.size())) << text;
+    }
+  }
+}
+
+TEST(Fallback, HasTheCharactersThatTheFontLacks) {
+  const picture::LabelWriter writer(30);
+  if (writer.missingGlyph(U"日本語")) GTEST_SKIP() << "no Japanese font here";
+  const picture::ShapedLine line = writer.shape("a日本語b");
+  ASSERT_EQ(line.runs.size(), 3U);
+  EXPECT_EQ(line.runs[0].font.path, picture::findFont());
+  EXPECT_NE(line.runs[1].font.path, picture::findFont());
+  EXPECT_EQ(line.runs[2].font.path, picture::findFont());
+  EXPECT_EQ(line.runs[1].text, "日本語");
+  for (const picture::PlacedGlyph& glyph : line.runs[1].glyphs) EXPECT_NE(glyph.number, 0U);
+  // Chinese and Japanese characters fill a square of one em.
+  EXPECT_NEAR(writer.width("日本語"), 90, 1);  // measured: 90 with IPAGothic
+  EXPECT_GT(inkBox(pictureOf("日")).sizes().x(), 20);
 }
 
 TEST(LabelWriter, CutsTextAtTheFrame) {

@@ -33,6 +33,8 @@ void drawOn(picture::Canvas& page) {
   page.end();
   page.box(100, 950, 300, 10, {0, 0, 0});
   page.text("Größe α = 90° < 1", 100, 1000, kEm, {0, 0, 0});
+  page.text("سلام", 900, 1000, kEm, {0, 0, 0});
+  page.text("שלום abc", 1200, 1000, kEm, {0, 0, 0});
 }
 
 std::string pdf() {
@@ -61,6 +63,12 @@ TEST_F(PdfInPoppler, TextIsText) {
   EXPECT_THAT(output("pdftotext", "-"), HasSubstr("Größe α = 90° < 1"));
 }
 
+TEST_F(PdfInPoppler, ShapedTextIsInReadingOrder) {
+  const std::string text = output("pdftotext", "-");
+  EXPECT_THAT(text, HasSubstr("سلام"));
+  EXPECT_THAT(text, HasSubstr("שלום"));
+}
+
 TEST_F(PdfInPoppler, FontsAreEmbedded) {
   const std::string fonts = output("pdffonts");
   EXPECT_THAT(fonts, HasSubstr("DejaVuSans"));
@@ -87,6 +95,7 @@ TEST(SvgPage, HasLayersTextAndOneStyle) {
   EXPECT_THAT(svg, HasSubstr("<g id=\"pictures\" inkscape:label=\"pictures\" "
                              "inkscape:groupmode=\"layer\">"));
   EXPECT_THAT(svg, HasSubstr(">Größe α = 90° &lt; 1</text>"));
+  EXPECT_THAT(svg, HasSubstr(" direction=\"rtl\" text-anchor=\"end\" fill=\"#000000\">שלום abc<"));
   EXPECT_THAT(svg, HasSubstr("<path class=\"outline\" d=\"M100.00 100.00L600.00 100.00L600.00 "
                              "600.00ZM700.00 700.00L750.00 750.00\"/>"));
   EXPECT_THAT(svg, HasSubstr(".outline { fill: none; stroke: #263242; stroke-width: 1;"));
