@@ -651,9 +651,10 @@ void requireDrawable(const char* option, const std::string& text) {
       fmt::format("error: {}: no font has U+{:04X}", option, static_cast<std::uint32_t>(*missing));
   const std::string in = fmt::format("character {} of '{}'", place + 1, oneLine(text));
   if (row == nullptr) throw InputError(fmt::format("{}, {}; remove it", start, in));
-  throw InputError(fmt::format("{} '{}' ({}), {}; install Debian's {}, or remove it", start,
-                               text.substr(bytesOf(*letters, 0, place), bytesOf(*missing)),
-                               row->name, in, row->package));
+  throw InputError(fmt::format(
+      "{} '{}' ({}), {}; remove it, or install a font that has it, for example from Debian's {}",
+      start, text.substr(bytesOf(*letters, 0, place), bytesOf(*missing)), row->name, in,
+      row->package));
 }
 
 // ------------------------------------------------------------------------------------------------

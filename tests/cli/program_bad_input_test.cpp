@@ -127,20 +127,24 @@ TEST(BadCommandLine, TitleThatNoFontCanWrite) {
     return runKirireel({"record", shippedModel("tessellation_4x4").string(), "--title", title,
                         "--out", (scratch / "out").string()});
   };
+  const auto expectScript = [&](const std::string& character, const std::string& script,
+                                const std::string& package) {
+    expectOneLine(record(character), 2,
+                  " '" + character + "' (" + script + "), character 1 of '" + character +
+                      "'; remove it, or install a font that has it, for example from Debian's " +
+                      package);
+  };
   expectOneLine(record("caf\u00e9 \u4e2d"), 2,
                 "error: --title: no font has U+4E2D '\u4e2d' (Chinese or Japanese), character 6 of "
-                "'caf\u00e9 \u4e2d'; install Debian's fonts-noto-cjk, or remove it");
-  expectOneLine(record("\u3002"), 2, "(Chinese or Japanese), character 1 of '\u3002'");
-  expectOneLine(record("\u304b"), 2, "(Japanese), character 1");
-  expectOneLine(record("\ud55c"), 2, "(Korean), character 1");
-  expectOneLine(record("\u0939"), 2,
-                "(Devanagari), character 1 of '\u0939'; install Debian's "
-                "fonts-noto-core, or remove it");
-  expectOneLine(record("\u0e01"), 2, "(Thai), character 1");
-  expectOneLine(record("\U0001f9e9"), 2,
-                "U+1F9E9 '\U0001f9e9' (a symbol or emoji), character 1 of "
-                "'\U0001f9e9'; install Debian's fonts-symbola, or remove");
-  expectOneLine(record("\u0b95"), 2, "(another script), character 1");
+                "'caf\u00e9 \u4e2d'; remove it, or install a font that has it, for example from "
+                "Debian's fonts-noto-cjk");
+  expectScript("\u3002", "Chinese or Japanese", "fonts-noto-cjk");  // of no script by itself
+  expectScript("\u304b", "Japanese", "fonts-noto-cjk");
+  expectScript("\ud55c", "Korean", "fonts-noto-cjk");
+  expectScript("\u0939", "Devanagari", "fonts-noto-core");
+  expectScript("\u0e01", "Thai", "fonts-noto-core");
+  expectScript("\u0b95", "another script", "fonts-noto-core");
+  expectScript("\U0001f9e9", "a symbol or emoji", "fonts-symbola");
   expectOneLine(record("a\x07"), 2, "no font has U+0007, character 2 of 'a?'; remove it");
   ::unsetenv("FONTCONFIG_FILE");
   expectOneLine(record("caf\xe9"), 2,
