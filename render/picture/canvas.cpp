@@ -365,24 +365,26 @@ struct CairoCanvas::Internals {
     return font;
   }
 
-  /// A run's glyphs with their characters, which a PDF stores for searches and copies.
+  /// A run's glyphs with their characters, which a PDF stores for searches and copies. They are
+  /// from left to right, as readers of PDF expect, which restore the reading order.
   void show(const TextRun& run, double left, double baseline, int em) {
     const double scale = static_cast<double>(em) / kShapingSize;
     std::vector<cairo_glyph_t> glyphs;
     for (const PlacedGlyph& glyph : run.glyphs) {
       glyphs.push_back({glyph.number, left + scale * glyph.x, baseline + scale * glyph.y});
     }
+    std::string text;
     std::vector<cairo_text_cluster_t> clusters;
     for (const GlyphCluster& cluster : run.clusters) {
-      clusters.push_back({cluster.bytes, cluster.glyphs});
+      text += cluster.text;
+      clusters.push_back({static_cast<int>(cluster.text.size()), cluster.glyphs});
     }
     cairo_set_font_face(pen, fontOf(run.font));
     cairo_set_font_size(pen, em);
-    cairo_show_text_glyphs(pen, run.text.data(), static_cast<int>(run.text.size()), glyphs.data(),
+    cairo_show_text_glyphs(pen, text.data(), static_cast<int>(text.size()), glyphs.data(),
                            static_cast<int>(glyphs.size()), clusters.data(),
                            static_cast<int>(clusters.size()),
-                           run.isRightToLeft ? CAIRO_TEXT_CLUSTER_FLAG_BACKWARD
-                                             : static_cast<cairo_text_cluster_flags_t>(0));
+                           static_cast<cairo_text_cluster_flags_t>(0));
   }
 
   void trace(const Points& points) const {

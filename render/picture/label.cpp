@@ -372,19 +372,27 @@ int bytesOf(const std::u32string& letters, std::size_t first, std::size_t end) {
   return bytes;
 }
 
-/// In reading order. clusters: of the glyphs from left to right.
-std::vector<GlyphCluster> clustersOf(std::vector<unsigned> clusters, const Span& span,
-                                     const std::u32string& letters) {
-  if (span.level % 2 == 1) std::ranges::reverse(clusters);
-  std::vector<GlyphCluster> result;
-  for (std::size_t k = 0; k < clusters.size();) {
+/// The characters from `first` to before `end`, of a text in UTF-8.
+std::string partOf(const std::string& text, const std::u32string& letters, std::size_t first,
+                   std::size_t end) {
+  return text.substr(bytesOf(letters, 0, first), bytesOf(letters, first, end));
+}
+
+/// From left to right. starts: the first character of each glyph's cluster.
+std::vector<GlyphCluster> clustersOf(const std::vector<std::size_t>& starts, const Span& span,
+                                     const std::string& text, const std::u32string& letters) {
+  std::vector<GlyphCluster> clusters;
+  std::size_t left = span.end;  // start of the cluster on the left
+  for (std::size_t k = 0; k < starts.size();) {
     std::size_t next = k;
-    while (next < clusters.size() && clusters[next] == clusters[k]) ++next;
-    const std::size_t end = next < clusters.size() ? clusters[next] : span.end;
-    result.push_back({bytesOf(letters, clusters[k], end), static_cast<int>(next - k)});
+    while (next < starts.size() && starts[next] == starts[k]) ++next;
+    const std::size_t right = next < starts.size() ? starts[next] : span.end;
+    const std::size_t end = span.level % 2 == 1 ? left : right;
+    clusters.push_back({partOf(text, letters, starts[k], end), static_cast<int>(next - k)});
+    left = starts[k];
     k = next;
   }
-  return result;
+  return clusters;
 }
 
 }  // namespace
@@ -519,7 +527,8 @@ std::string LabelWriter::family() const {
 }
 
 ShapedLine LabelWriter::shape(const std::string& text) const {
-  const std::u32string letters = codePoints(text).value_or(kUnknown);
+  const std::optional<std::u32string> characters = codePoints(text);
+  const std::u32string letters = characters.value_or(kUnknown);
   const Directions directions = directionsOf(letters);
   std::vector<Span> spans = fonts_->spansOf(letters, directions.levels);
   orderOnPage(spans);
@@ -530,24 +539,16 @@ ShapedLine LabelWriter::shape(const std::string& text) const {
     unsigned count = 0;
     const hb_glyph_info_t* glyphs = hb_buffer_get_glyph_infos(buffer.get(), &count);
     const hb_glyph_position_t* places = hb_buffer_get_glyph_positions(buffer.get(), &count);
-    TextRun run{.font = fonts_->fonts[span.font].file,
-                .family = fonts_->familyOf(span.font),
-                .isRightToLeft = span.level % 2 == 1};
-    std::vector<unsigned> clusters;
+    TextRun run{.font = fonts_->fonts[span.font].file, .family = fonts_->familyOf(span.font)};
+    std::vector<std::size_t> starts;
     for (unsigned k = 0; k < count; ++k) {
       run.glyphs.push_back({glyphs[k].codepoint,
                             static_cast<double>(pen + places[k].x_offset) / kPixelUnits,
                             -static_cast<double>(places[k].y_offset) / kPixelUnits});
-      clusters.push_back(glyphs[k].cluster);
+      starts.push_back(glyphs[k].cluster);
       pen += places[k].x_advance;
     }
-    run.clusters = clustersOf(std::move(clusters), span, letters);
-    if (codePoints(text)) {
-      run.text =
-          text.substr(bytesOf(letters, 0, span.first), bytesOf(letters, span.first, span.end));
-    } else {
-      run.text = "\ufffd";
-    }
+    run.clusters = clustersOf(starts, span, characters ? text : "\ufffd", letters);
     line.isPlain = line.isPlain && fonts_->isPlain(span, run.glyphs, letters);
     line.runs.push_back(std::move(run));
   }
@@ -653,8 +654,7 @@ void requireDrawable(const char* option, const std::string& text) {
   if (row == nullptr) throw InputError(fmt::format("{}, {}; remove it", start, in));
   throw InputError(fmt::format(
       "{} '{}' ({}), {}; remove it, or install a font that has it, for example from Debian's {}",
-      start, text.substr(bytesOf(*letters, 0, place), bytesOf(*missing)), row->name, in,
-      row->package));
+      start, partOf(text, *letters, place, place + 1), row->name, in, row->package));
 }
 
 // ------------------------------------------------------------------------------------------------

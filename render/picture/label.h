@@ -54,20 +54,18 @@ struct PlacedGlyph {
   double y = 0;         ///< below the baseline
 };
 
-/// Characters that are shaped together, and their glyphs.
+/// Characters that are shaped together.
 struct GlyphCluster {
-  int bytes = 0;   ///< of the run's text
-  int glyphs = 0;  ///< of the run's glyphs
+  std::string text;  ///< UTF-8
+  int glyphs = 0;    ///< of the run's glyphs
 };
 
 /// A part of a line in one font and one direction.
 struct TextRun {
   FontFile font;
-  std::string family;  ///< name of the font's family
-  bool isRightToLeft = false;
-  std::string text;                    ///< UTF-8, in reading order
+  std::string family;                  ///< name of the font's family
   std::vector<PlacedGlyph> glyphs;     ///< from left to right
-  std::vector<GlyphCluster> clusters;  ///< in reading order
+  std::vector<GlyphCluster> clusters;  ///< from left to right
 };
 
 /// A line with its letters joined and in their order on the page.

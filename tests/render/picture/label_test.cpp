@@ -148,15 +148,23 @@ TEST(Shaping, LeavesPlainTextAlone) {
   EXPECT_EQ(writer.width("a\u0301"), writer.width("\u00e1"));  // a mark has no width
 }
 
-TEST(Shaping, CoversAllCharactersOfARun) {
-  for (const char* text : {"سلام abc لا", "שלום", "e\u0301a", "\xff"}) {
-    for (const picture::TextRun& run : picture::LabelWriter(20).shape(text).runs) {
-      int bytes = 0, glyphs = 0;
-      for (const picture::GlyphCluster& cluster : run.clusters) {
-        bytes += cluster.bytes;
-        glyphs += cluster.glyphs;
-      }
-      EXPECT_EQ(bytes, static_cast<int>(run.text.size())) << text;
+/// The characters of a run, from left to right.
+std::string textOf(const picture::TextRun& run) {
+  std::string text;
+  for (const picture::GlyphCluster& cluster : run.clusters) text += cluster.text;
+  return text;
+}
+
+TEST(Shaping, KnowsTheCharactersOfEachGlyph) {
+  const picture::LabelWriter writer(20);
+  EXPECT_EQ(textOf(writer.shape("بيت").runs[0]), "تيب");
+  EXPECT_EQ(textOf(writer.shape("بلا").runs[0]), "لاب");  // the ligature is one cluster
+  EXPECT_EQ(textOf(writer.shape("e\u0301a").runs[0]), "e\u0301a");
+  EXPECT_EQ(textOf(writer.shape("\xff").runs[0]), "\ufffd");
+  for (const char* text : {"سلام abc لا", "שָׁלוֹם", "e\u0301a"}) {
+    for (const picture::TextRun& run : writer.shape(text).runs) {
+      int glyphs = 0;
+      for (const picture::GlyphCluster& cluster : run.clusters) glyphs += cluster.glyphs;
       EXPECT_EQ(glyphs, static_cast<int>(run.glyphs.size())) << text;
     }
   }
@@ -170,7 +178,7 @@ TEST(Fallback, HasTheCharactersThatTheFontLacks) {
   EXPECT_EQ(line.runs[0].font.path, picture::findFont());
   EXPECT_NE(line.runs[1].font.path, picture::findFont());
   EXPECT_EQ(line.runs[2].font.path, picture::findFont());
-  EXPECT_EQ(line.runs[1].text, "日本語");
+  EXPECT_EQ(textOf(line.runs[1]), "日本語");
   for (const picture::PlacedGlyph& glyph : line.runs[1].glyphs) EXPECT_NE(glyph.number, 0U);
   // Chinese and Japanese characters fill a square of one em.
   EXPECT_NEAR(writer.width("日本語"), 90, 1);  // measured: 90 with IPAGothic
