@@ -291,6 +291,9 @@ std::string outlineWidthsText(const picture::OutlineWidths& widths) {
                            scene::numberText(widths.silhouettes) + "pt");
 }
 
+/// The value of --depth-cue without a number.
+constexpr double kDefaultDepthCue = 0.25;
+
 /// Options of a picture except its camera.
 void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
@@ -316,6 +319,20 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
+  group.choice<picture::Ghost>("--ghost", look.ghost,
+                               {{"none", picture::Ghost::None},
+                                {"target", picture::Ghost::Target},
+                                {"start", picture::Ghost::Start}},
+                               "state drawn with every picture as pale transparent bricks");
+  group
+      .value("--depth-cue", "[SHARE]", "0",
+             "share of the background's colour in the farthest tiles of the run, 0 to 1; 0.25 "
+             "without a number",
+             [&look](const scene::TypedValue& typed) {
+               const bool isBare = typed.text == "true" || typed.text == "True";
+               look.depthCue = isBare ? kDefaultDepthCue : scene::parseNumber(typed, {0, 1});
+             })
+      .serializedAs([&look] { return look.depthCue > 0 ? scene::numberText(look.depthCue) : ""; });
   group
       .value("--occlusion", "SHARE", "0.6",
              "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "

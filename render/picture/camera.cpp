@@ -218,6 +218,10 @@ Camera atDistance(const Camera& camera, double distance) {
   return moved;
 }
 
+double distanceAlongView(const Camera& camera, const Vector3& point) {
+  return (camera.centre - camera.eye).normalized().dot(point - camera.eye);
+}
+
 double heightAtCentre(const Camera& camera) {
   if (camera.orthographic) return camera.viewHeight;
   return 2 * std::tan(0.5 * camera.fieldOfView) * (camera.eye - camera.centre).norm();

@@ -82,6 +82,9 @@ Camera fitCameraToBall(const Vector3& centre, double radius, const CameraFit& fi
 /// perspective this changes the size of the picture's middle.
 Camera atDistance(const Camera& camera, double distance);
 
+/// Distance of a point from the eye along the view, metres.
+double distanceAlongView(const Camera& camera, const Vector3& point);
+
 /// Height of the picture at the camera's centre, metres.
 double heightAtCentre(const Camera& camera);
 

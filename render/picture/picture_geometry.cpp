@@ -171,6 +171,22 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
   }
 }
 
+/// The background's share of a face's colour.
+double distantShare(const DepthCue& cue, const Camera& camera, std::span<const Vector3> corners) {
+  if (cue.share <= 0 || !(cue.farthest > cue.nearest)) return 0;
+  double sum = 0;
+  for (const Vector3& corner : corners) sum += distanceAlongView(camera, corner);
+  const double distance = sum / static_cast<double>(corners.size());
+  return cue.share * std::clamp((distance - cue.nearest) / (cue.farthest - cue.nearest), 0.0, 1.0);
+}
+
+/// The same point in the picture, farther from the eye. A face keeps its normal.
+Vector3 setBack(const Vector3& point, const Camera& camera, double distance) {
+  const Vector3 view = camera.centre - camera.eye;
+  if (camera.orthographic) return point + distance * view.normalized();
+  return point + distance / view.norm() * (point - camera.eye);
+}
+
 void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour colour,
                  const Camera& camera, PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
@@ -201,12 +217,12 @@ GeometryBuilder::GeometryBuilder(const std::vector<model::Brick>& bricks, const 
 }
 
 /// Faces: bottom, top, then sides. Concave ones are divided into triangles.
-void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
-                                const Camera& camera, const std::optional<Occluders>& occluders,
+void GeometryBuilder::drawBrick(const std::vector<Face>& faces, const Pose& pose,
+                                const BrickColours& colours, const Camera& camera,
+                                const DepthCue& depthCue, const Occluded& occluded,
                                 PictureGeometry& geometry) const {
   std::vector<Facet>& layer = colours.top.alpha < 255 ? geometry.translucent : geometry.solid;
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
-  const std::vector<Face>& faces = faces_[brick];
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const Face& face = faces[k];
     const Vector3 normal = rotation * face.normal;
@@ -218,8 +234,9 @@ void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours&
     for (const Vector3& point : face.corners) {
       corners.push_back(pose.position + rotation * point);
     }
-    const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
-    const Facet whole = appendFacet(geometry, corners, faceColour(normal, base, style_, occluded));
+    const Colour lit = faceColour(normal, base, style_, occluded ? occluded(corners, normal) : 0);
+    const Facet whole = appendFacet(
+        geometry, corners, mixed(lit, style_.background, distantShare(depthCue, camera, corners)));
     if (face.triangles.empty()) layer.push_back(whole);
     for (const auto& [a, b, c] : face.triangles) {
       layer.push_back(
@@ -308,7 +325,22 @@ void GeometryBuilder::drawShadow(const Poses& poses, const std::vector<BrickColo
   }
 }
 
-/// Order: ground, shadow, bricks, obstacles, dots, lines.
+void GeometryBuilder::drawGhosts(const PictureItems& items, const Camera& camera,
+                                 PictureGeometry& geometry) const {
+  const BrickColours colours = withOpacity(style_.brick, kGhostOpacity);
+  const double distance = kGhostSetback * heightAtCentre(camera);
+  for (const std::vector<std::vector<Vector3>>& ghost : items.ghosts) {
+    checkInterruption();
+    std::vector<Face> faces;
+    for (std::vector<Vector3> corners : ghost) {
+      for (Vector3& corner : corners) corner = setBack(corner, camera, distance);
+      faces.push_back(makeFace(corners));
+    }
+    drawBrick(faces, {}, colours, camera, items.depthCue, {}, geometry);
+  }
+}
+
+/// Order: ground, shadow, bricks, ghosts, obstacles, dots, lines.
 void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
                            PictureGeometry& geometry) const {
   assert(items.poses.size() == faces_.size());
@@ -335,8 +367,16 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
     checkInterruption();
     if (!isDrawn(colours[brick])) continue;
-    drawBrick(brick, items.poses[brick], colours[brick], camera, occluders, geometry);
+    Occluded occluded;
+    if (occluders) {
+      occluded = [&](std::span<const Vector3> corners, const Vector3& normal) {
+        return occluders->occlusion(brick, corners, normal);
+      };
+    }
+    drawBrick(faces_[brick], items.poses[brick], colours[brick], camera, items.depthCue, occluded,
+              geometry);
   }
+  drawGhosts(items, camera, geometry);
   drawScenery(items.scenery, style_, camera, geometry);
   drawMarks(items.marks, 0.5 * style_.markSize * height, style_.mark, camera, geometry);
   drawOverlay(items.overlay, style_.overlayWidth * height, style_.overlay, camera, geometry);

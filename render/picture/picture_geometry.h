@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,6 +60,21 @@ class Occluders {
 /// A dot is drawn this many radii nearer to the eye, so bricks below do not cut into it.
 inline constexpr double kDotLift = 3;
 
+/// Opacity of ghosts.
+inline constexpr double kGhostOpacity = 0.15;
+
+/// Ghosts are drawn this much farther away, in heights of the picture. Bricks at the same place
+/// hide them, and silhouettes of bricks in front of them stay silhouettes.
+inline constexpr double kGhostSetback = 0.005;
+
+/// Mixes faces with the background's colour, linearly in the distance of their centre from the eye
+/// along the view.
+struct DepthCue {
+  double share = 0;     ///< of the background at the farthest distance, [0, 1]; 0: not mixed
+  double nearest = 0;   ///< distance at which nothing is mixed, metres
+  double farthest = 0;  ///< metres
+};
+
 /// The items of one picture. All lists except the poses may be empty. Lists are in the order of
 /// bricks.
 struct PictureItems {
@@ -71,6 +87,9 @@ struct PictureItems {
   std::vector<model::Tile> overlay;
   std::vector<model::Tile>
       scenery;  ///< polygons that are not bricks, seen from both sides, world axes
+  /// Faces of pale bricks without shadow, as from model::brickFaces(), world axes.
+  std::vector<std::vector<std::vector<Vector3>>> ghosts;
+  DepthCue depthCue;
 };
 
 /// A convex polygon of one colour that faces the camera. A geometry stores its corners.
@@ -134,9 +153,13 @@ class GeometryBuilder {
   std::vector<BrickColours> coloursOf(const PictureItems& items) const;
   /// Without bricks that are not drawn.
   PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;
-  /// occluders: absent without occlusion.
-  void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
-                 const std::optional<Occluders>& occluders, PictureGeometry& geometry) const;
+  /// The fraction of light that other bricks block, from the corners and the normal of a face.
+  using Occluded = std::function<double(std::span<const Vector3>, const Vector3&)>;
+  /// occluded: empty without occlusion.
+  void drawBrick(const std::vector<Face>& faces, const Pose& pose, const BrickColours& colours,
+                 const Camera& camera, const DepthCue& depthCue, const Occluded& occluded,
+                 PictureGeometry& geometry) const;
+  void drawGhosts(const PictureItems& items, const Camera& camera, PictureGeometry& geometry) const;
   /// Points on the plate whose convex hull is the shadow of a brick or a part of one.
   struct CastPoints {
     std::vector<Vector3> points;

@@ -127,6 +127,51 @@ CameraChoice cameraFor(const Look& look, const PictureContent& content) {
   return camera;
 }
 
+/// The bricks of the target with the thicknesses of the content's bricks.
+std::vector<model::Brick> targetBricks(const PictureContent& content) {
+  std::vector<model::Brick> bricks;
+  for (std::size_t i = 0; i < content.target->size(); ++i) {
+    model::BrickRule rule;
+    rule.thickness = content.bricks[i].thickness;
+    bricks.push_back(model::makeBrick((*content.target)[i], rule));
+  }
+  return bricks;
+}
+
+/// The faces of the ghost's bricks, world axes.
+std::vector<std::vector<std::vector<Vector3>>> ghostFaces(Ghost ghost,
+                                                          const PictureContent& content) {
+  if (ghost == Ghost::None) return {};
+  const bool isStart = ghost == Ghost::Start;
+  const std::vector<model::Brick> bricks = isStart ? content.bricks : targetBricks(content);
+  const Poses poses = isStart ? content.start : model::startPoses(*content.target, bricks);
+  std::vector<std::vector<std::vector<Vector3>>> ghosts;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    ghosts.push_back(model::brickFaces(bricks[i]));
+    for (std::vector<Vector3>& face : ghosts.back()) {
+      for (Vector3& corner : face) corner = poses[i].apply(corner);
+    }
+  }
+  return ghosts;
+}
+
+/// The corners of all bricks at the start, at the target and in the run.
+std::vector<Vector3> cornersOfRun(const PictureContent& content) {
+  std::vector<Vector3> corners = shownCorners(content, content.start);
+  for (const Poses& poses : content.states) append(corners, shownCorners(content, poses));
+  if (content.target) {
+    const std::vector<model::Brick> bricks = targetBricks(content);
+    append(corners, brickCorners(bricks, model::startPoses(*content.target, bricks)));
+  }
+  return corners;
+}
+
+void requireTarget(const PictureContent& content, const char* option) {
+  if (content.target) return;
+  throw InputError(
+      fmt::format("error: the model has no target to draw; remove {} or add target.txt", option));
+}
+
 }  // namespace
 
 double pixelsPerInchOf(FrameSize size) {
@@ -205,14 +250,29 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       size_(size),
       cameras_(cameraFor(look, content_), pointsInView(content_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
-      targetLines_(look.targetLines) {
-  if (!targetLines_ || content_.target) return;
-  throw InputError(
-      "error: the model has no target to draw; remove --target-lines or add target.txt");
+      targetLines_(look.targetLines),
+      cueShare_(look.depthCue) {
+  if (targetLines_) requireTarget(content_, "--target-lines");
+  if (look.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
+  ghosts_ = ghostFaces(look.ghost, content_);
+  if (cueShare_ <= 0) return;
+  cuePoints_ = cornersOfRun(content_);
+  if (cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
+}
+
+DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
+  DepthCue cue{cueShare_, std::numeric_limits<double>::infinity(),
+               -std::numeric_limits<double>::infinity()};
+  for (const Vector3& point : cuePoints_) {
+    const double distance = distanceAlongView(camera, point);
+    cue.nearest = std::min(cue.nearest, distance);
+    cue.farthest = std::max(cue.farthest, distance);
+  }
+  return cue;
 }
 
 PictureItems PictureSetup::items(const ShownState& state) const {
-  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}};
+  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}, {}, {}};
   if (jointMarks_) {
     for (const model::Pivot& pivot : content_.pivots) {
       items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
@@ -220,6 +280,10 @@ PictureItems PictureSetup::items(const ShownState& state) const {
   }
   if (targetLines_) items.overlay = *content_.target;
   items.scenery = content_.obstacles;
+  items.ghosts = ghosts_;
+  if (cueShare_ > 0) {
+    items.depthCue = stillCue_ ? *stillCue_ : depthCueFrom(cameras_.at(state.time, state.turn));
+  }
   return items;
 }
 

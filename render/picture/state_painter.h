@@ -67,6 +67,9 @@ enum class FitScope {
   Ends,  ///< the start and the target; states outside them are cut off
 };
 
+/// A state that is drawn with every other one, as pale transparent bricks.
+enum class Ghost { None, Target, Start };
+
 /// A colour for some tiles.
 struct TileColour {
   std::vector<int> tiles;  ///< zero-based numbers
@@ -117,8 +120,11 @@ struct Look {
   /// Brightness loss of a face that other bricks fully occlude, [0, 1]; absent: the
   /// style's.
   std::optional<double> occlusion;
-  bool jointMarks = false;   ///< a dot on each joint
-  bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
+  bool jointMarks = false;    ///< a dot on each joint
+  bool targetLines = false;   ///< the target's tiles as lines, dashed where bricks hide them
+  Ghost ghost = Ghost::None;  ///< state drawn as pale transparent bricks
+  /// Share of the background's colour in the farthest faces of the run, [0, 1]; see DepthCue.
+  double depthCue = 0;
   GroundLook ground = GroundLook::Auto;  ///< display of the ground
   CameraChoice camera;                   ///< position of the camera
   FitScope fit = FitScope::Auto;         ///< what the camera keeps in view
@@ -197,8 +203,8 @@ struct PictureContent {
   std::vector<Vector3> points;  ///< points that cameras keep in view, world axes
   /// Selected for the motion if the look has an automatic view; absent: by the points.
   std::optional<AutomaticView> view;
-  /// Of the run, one pose per brick. They determine the range of the colours' values. Empty before
-  /// the run.
+  /// Of the run, one pose per brick. They determine the ranges of the colours' values and of the
+  /// depth cue. Empty before the run.
   std::vector<Poses> states;
 };
 
@@ -337,6 +343,8 @@ class PictureSetup {
   double metresPerPixel() const;
 
  private:
+  DepthCue depthCueFrom(const Camera& camera) const;
+
   PictureContent content_;
   Style style_;
   BrickPalette palette_;
@@ -344,6 +352,10 @@ class PictureSetup {
   CameraPath cameras_;
   bool jointMarks_;
   bool targetLines_;
+  std::vector<std::vector<std::vector<Vector3>>> ghosts_;  ///< see PictureItems
+  double cueShare_;                                        ///< of a depth cue
+  std::vector<Vector3> cuePoints_;    ///< of the run, which determine the cue's range
+  std::optional<DepthCue> stillCue_;  ///< of a fixed camera
 };
 
 /// A setup with a painter. Use it only in the thread that makes it.

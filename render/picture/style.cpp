@@ -21,7 +21,8 @@ double brightness(const Vector3& normal, const Light& light) {
   return light.strength * std::max(0.0, normal.dot(light.direction));
 }
 
-/// `share` 0 gives the first colour, 1 the second; alpha is the first's.
+}  // namespace
+
 Colour mixed(Colour colour, Colour with, double share) {
   const auto channel = [share](std::uint8_t from, std::uint8_t to) {
     return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
@@ -29,8 +30,6 @@ Colour mixed(Colour colour, Colour with, double share) {
   return {channel(colour.red, with.red), channel(colour.green, with.green),
           channel(colour.blue, with.blue), colour.alpha};
 }
-
-}  // namespace
 
 BrickColours shadesOf(Colour colour) {
   constexpr Colour kBlack = {0, 0, 0};

@@ -29,6 +29,9 @@ struct GroundPlate {
   bool shadow = true;   ///< cast by the bricks, along the key light
 };
 
+/// `share` 0 gives the first colour, 1 the second; alpha is the first's.
+Colour mixed(Colour colour, Colour with, double share);
+
 /// The colours of one brick before lighting. Their alphas are equal: the opacity.
 struct BrickColours {
   Colour top = {128, 174, 220};     ///< face on the side of the tile's normal

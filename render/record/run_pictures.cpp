@@ -54,7 +54,8 @@ void keepRunInView(picture::PictureContent& content, const trajectory::Trajector
   picture::keepInView(content, run.sample(count - 1).poses);
 }
 
-/// For the colour scale: its maximum is the largest value in these states.
+/// For the colour scale, whose maximum is the largest value in these states, and for the range of
+/// the depth cue.
 void keepStates(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
@@ -126,8 +127,8 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                     (!choosesCamera(settings) ||
                      showsRun(run, picture::PictureSetup(settings.look, content, settings.size)));
   if (!fits) keepRunInView(content, run);
-  if (picture::isMeasure(settings.look.colouring) && !settings.look.colourMost)
-    keepStates(content, run);
+  const bool needsScale = picture::isMeasure(settings.look.colouring) && !settings.look.colourMost;
+  if (needsScale || settings.look.depthCue > 0) keepStates(content, run);
   return content;
 }
 

@@ -243,6 +243,11 @@ const char* colouringWord(picture::Colouring colouring) {
   return "plain";
 }
 
+const char* ghostWord(picture::Ghost ghost) {
+  if (ghost == picture::Ghost::None) return "none";
+  return ghost == picture::Ghost::Target ? "target" : "start";
+}
+
 Json lookJson(const picture::Look& look) {
   const char* ground = std::ranges::find(picture::kGroundLooks, look.ground,
                                          &std::pair<const char*, picture::GroundLook>::second)
@@ -254,6 +259,8 @@ Json lookJson(const picture::Look& look) {
           {"outlines", look.outlines},
           {"joint_marks", look.jointMarks},
           {"target_lines", look.targetLines},
+          {"ghost", ghostWord(look.ghost)},
+          {"depth_cue", look.depthCue},
           {"zoom", look.camera.zoom},
           {"margin", look.camera.margin},
           {"orbit", look.camera.orbit},

@@ -194,6 +194,15 @@ TEST(CommandLine, ReadsEveryOptionOfTheLook) {
   EXPECT_FALSE(look.outlines);
 }
 
+TEST(CommandLine, ReadsADepthCueWithAndWithoutANumber) {
+  const auto cueOf = [](const Words& words) {
+    return recordOrder(words).settings.look.depthCue;
+  };
+  EXPECT_EQ(cueOf({"record", "fan"}), 0);
+  EXPECT_EQ(cueOf({"record", "fan", "--depth-cue"}), 0.25);
+  EXPECT_EQ(cueOf({"record", "fan", "--depth-cue", "0.5"}), 0.5);
+}
+
 TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
   const picture::Look look =
       recordOrder({"record", "fan", "--view", "-60,35", "--projection", "parallel", "--zoom", "2",

@@ -172,6 +172,8 @@ const std::vector<Sample>& chosenSamples() {
       {"--no-outlines", {}},
       {"--mark-joints", {}},
       {"--target-lines", {}},
+      {"--ghost", {"target", "start"}},
+      {"--depth-cue", {"0.5", "0.1"}},
       {"--view", {"top", "iso", "side", "45,30", "33.3,-7.1"}},
       {"--projection", {"parallel", "perspective"}},
       {"--zoom", {"2", "0.5"}},

@@ -1,8 +1,10 @@
 #include "render/picture/state_painter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
@@ -129,6 +131,156 @@ TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
               picture::PictureSetup(look, content, {300, 300});
             }),
             "error: the model has no target to draw; remove --target-lines or add target.txt");
+}
+
+TEST(PictureSetup, RefusesAGhostOfATargetThatIsNotThere) {
+  picture::Look look;
+  look.ghost = picture::Ghost::Target;
+  picture::PictureContent content = tessellationContent();
+  content.target.reset();
+  EXPECT_EQ(errorOf([&] {
+              picture::PictureSetup(look, content, {300, 300});
+            }),
+            "error: the model has no target to draw; remove --ghost target or add target.txt");
+  look.ghost = picture::Ghost::Start;
+  EXPECT_EQ(errorOf([&] { picture::PictureSetup(look, content, {300, 300}); }), "no error");
+}
+
+/// Pixel coordinates of points, from the camera's matrix.
+std::vector<Eigen::Vector2d> projected(const std::vector<Vector3>& points,
+                                       const picture::Camera& camera, picture::FrameSize size) {
+  const Eigen::Matrix4d clip = picture::clipFromWorld(camera, size.aspect());
+  std::vector<Eigen::Vector2d> pixels;
+  for (const Vector3& point : points) {
+    const Eigen::Vector4d at = clip * point.homogeneous();
+    pixels.emplace_back(0.5 * (1 + at.x() / at.w()) * size.width,
+                        0.5 * (1 - at.y() / at.w()) * size.height);
+  }
+  return pixels;
+}
+
+/// Whether a point is within a convex hull, or outside by at most `margin`: no direction separates
+/// them.
+bool isWithin(const Eigen::Vector2d& point, const std::vector<Eigen::Vector2d>& corners,
+              double margin) {
+  constexpr int kDirections = 720;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * 3.14159265358979 * k / kDirections;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    double most = -1e300;
+    for (const Eigen::Vector2d& corner : corners) most = std::max(most, direction.dot(corner));
+    if (direction.dot(point) > most + margin) return false;
+  }
+  return true;
+}
+
+TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
+  for (const bool isParallel : {true, false}) {
+    picture::Look look;
+    look.camera.view = picture::kIsometricView;
+    look.camera.orthographic = isParallel;
+    const picture::FrameSize size{160, 120};
+    picture::PictureContent content = tessellationContent();
+    // The target is the start, moved beside it.
+    content.target = model::makeTessellation({}).tiles;
+    for (model::Tile& tile : *content.target) {
+      for (Vector3& vertex : tile.vertices) vertex += Vector3(2.5, 0.5, 0.25);
+      content.points.insert(content.points.end(), tile.vertices.begin(), tile.vertices.end());
+    }
+    picture::StatePainter painter(size, look, content);
+    const picture::Frame without = painter.paint({0, content.start, {}});
+    look.ghost = picture::Ghost::Target;
+    painter.show(look, content);
+    const picture::Frame with = painter.paint({0, content.start, {}});
+
+    const picture::Camera camera = painter.setup().camera({0, content.start, {}});
+    std::vector<std::vector<Eigen::Vector2d>> outlines;
+    for (std::size_t i = 0; i < content.target->size(); ++i) {
+      std::vector<Vector3> corners = (*content.target)[i].vertices;
+      const std::size_t count = corners.size();
+      for (std::size_t k = 0; k < count; ++k) {
+        corners.push_back(corners[k] + content.bricks[i].thickness * content.bricks[i].normal);
+      }
+      outlines.push_back(projected(corners, camera, size));
+    }
+    int changed = 0, inside = 0, darkest = 255;
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const std::size_t at = 4 * (static_cast<std::size_t>(y) * size.width + x);
+        if (std::equal(&with.pixels[at], &with.pixels[at] + 4, &without.pixels[at])) continue;
+        ++changed;
+        darkest = std::min<int>(darkest, with.pixels[at + 1]);
+        // A pixel reaches 0.7 pixels from its middle, half a line 0.6 pixels from the outline.
+        const Eigen::Vector2d middle(x + 0.5, y + 0.5);
+        inside += std::ranges::any_of(
+            outlines, [&](const auto& corners) { return isWithin(middle, corners, 1.4); });
+      }
+    }
+    EXPECT_GT(changed, 500);
+    EXPECT_EQ(inside, changed);
+    EXPECT_GT(darkest, 60);
+  }
+}
+
+TEST(PictureSetup, DepthCueMixesFacesByTheirDistance) {
+  picture::Look look;
+  look.camera.view = picture::kFrontView;  // the eye is on the side of -y
+  look.camera.orthographic = true;
+  look.background = picture::Colour{10, 200, 30};
+  look.occlusion = 0;
+  picture::PictureContent content = tessellationContent();
+  content.target.reset();
+  // Facing the eye: each tile is rotated about x, so its bottom's normal is -y.
+  Poses poses = content.start;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].rotation = Eigen::AngleAxisd(1.5707963267948966, Vector3::UnitX());
+    poses[i].position = Vector3(2.0 * static_cast<double>(i), 0.5 * static_cast<double>(i), 0);
+  }
+  content.start = poses;
+  const picture::ShownState state{0, poses, {}};
+  const picture::PictureGeometry plain =
+      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+  look.depthCue = 0.4;
+  const picture::PictureGeometry cued =
+      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+  double nearest = 1e300, farthest = -1e300;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (const auto* corners : {&content.bricks[i].bottom, &content.bricks[i].top}) {
+      for (const Vector3& corner : *corners) {
+        nearest = std::min(nearest, poses[i].apply(corner).y());
+        farthest = std::max(farthest, poses[i].apply(corner).y());
+      }
+    }
+  }
+  ASSERT_EQ(cued.solid.size(), plain.solid.size());
+  for (std::size_t k = 0; k < cued.solid.size(); ++k) {
+    double depth = 0;
+    for (const Vector3& corner : cued.corners(cued.solid[k])) depth += corner.y();
+    depth /= cued.solid[k].count;
+    const double share = 0.4 * (depth - nearest) / (farthest - nearest);
+    const picture::Colour before = plain.solid[k].colour, after = cued.solid[k].colour;
+    EXPECT_NEAR(after.red, (1 - share) * before.red + share * 10, 0.51);
+    EXPECT_NEAR(after.green, (1 - share) * before.green + share * 200, 0.51);
+    EXPECT_NEAR(after.blue, (1 - share) * before.blue + share * 30, 0.51);
+    EXPECT_EQ(after.alpha, before.alpha);
+  }
+}
+
+TEST(PictureSetup, DepthCueKeepsAFlatSheetSeenFromAbove) {
+  picture::Look look;
+  look.camera.view = picture::kTopView;
+  picture::PictureContent content = tessellationContent();
+  content.target.reset();
+  const picture::ShownState state{0, content.start, {}};
+  const picture::PictureGeometry plain =
+      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+  look.depthCue = 1;
+  const picture::PictureGeometry cued =
+      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+  ASSERT_EQ(cued.solid.size(), plain.solid.size());
+  for (std::size_t k = 0; k < cued.solid.size(); ++k) {
+    EXPECT_EQ(cued.solid[k].colour, plain.solid[k].colour);
+  }
 }
 
 TEST(StatePainter, RefusesAnEmptyPictureBeforeItDividesByIt) {
