@@ -291,9 +291,6 @@ std::string outlineWidthsText(const picture::OutlineWidths& widths) {
                            scene::numberText(widths.silhouettes) + "pt");
 }
 
-/// The value of --depth-cue without a number.
-constexpr double kDefaultDepthCue = 0.25;
-
 /// Options of a picture except its camera.
 void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
@@ -325,12 +322,10 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
                                 {"start", picture::Ghost::Start}},
                                "state drawn with every picture as pale transparent bricks");
   group
-      .value("--depth-cue", "[SHARE]", "0",
-             "share of the background's colour in the farthest tiles of the run, 0 to 1; 0.25 "
-             "without a number",
+      .value("--depth-cue", "SHARE", "0",
+             "share of the background's colour in the farthest tiles of the run, 0 to 1",
              [&look](const scene::TypedValue& typed) {
-               const bool isBare = typed.text == "true" || typed.text == "True";
-               look.depthCue = isBare ? kDefaultDepthCue : scene::parseNumber(typed, {0, 1});
+               look.depthCue = scene::parseNumber(typed, {0, 1});
              })
       .serializedAs([&look] { return look.depthCue > 0 ? scene::numberText(look.depthCue) : ""; });
   group

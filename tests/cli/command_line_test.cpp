@@ -194,12 +194,11 @@ TEST(CommandLine, ReadsEveryOptionOfTheLook) {
   EXPECT_FALSE(look.outlines);
 }
 
-TEST(CommandLine, ReadsADepthCueWithAndWithoutANumber) {
+TEST(CommandLine, ReadsADepthCue) {
   const auto cueOf = [](const Words& words) {
     return recordOrder(words).settings.look.depthCue;
   };
   EXPECT_EQ(cueOf({"record", "fan"}), 0);
-  EXPECT_EQ(cueOf({"record", "fan", "--depth-cue"}), 0.25);
   EXPECT_EQ(cueOf({"record", "fan", "--depth-cue", "0.5"}), 0.5);
 }
 

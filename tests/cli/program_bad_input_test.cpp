@@ -119,9 +119,9 @@ TEST(BadCommandLine, TellsTheRangeThatItKeeps) {
 TEST(BadCommandLine, TitleThatNoFontCanWrite) {
   const ScratchFolder scratch;
   // A machine with DejaVu Sans only.
-  writeTextFile(scratch / "fonts.conf",
-                "<fontconfig><dir>/usr/share/fonts/truetype/dejavu</dir><cachedir>" +
-                    (scratch / "cache").string() + "</cachedir></fontconfig>");
+  writeText(scratch / "fonts.conf",
+            "<fontconfig><dir>/usr/share/fonts/truetype/dejavu</dir><cachedir>" +
+                (scratch / "cache").string() + "</cachedir></fontconfig>");
   ::setenv("FONTCONFIG_FILE", (scratch / "fonts.conf").c_str(), 1);
   const auto record = [&](const std::string& title) {
     return runKirireel({"record", shippedModel("tessellation_4x4").string(), "--title", title,
