@@ -317,9 +317,7 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
   group.choice<picture::Ghost>("--ghost", look.ghost,
-                               {{"none", picture::Ghost::None},
-                                {"target", picture::Ghost::Target},
-                                {"start", picture::Ghost::Start}},
+                               {picture::kGhosts.begin(), picture::kGhosts.end()},
                                "state drawn with every picture as pale transparent bricks");
   group
       .value("--depth-cue", "SHARE", "0",

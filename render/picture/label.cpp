@@ -126,13 +126,18 @@ bool hasFamily(FcPattern* font, const FcChar8* family) {
 
 namespace {
 
-/// The match of fontconfig for a family and a weight.
-OwnedPattern matchFont(const std::string& family, Weight weight) {
-  const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
-  const OwnedPattern request(FcPatternCreate());
-  FcPatternAddString(request.get(), FC_FAMILY, name);
+/// A request for scalable fonts of a family and a weight, before fontconfig's substitutions.
+OwnedPattern requestFor(const std::string& family, Weight weight) {
+  OwnedPattern request(FcPatternCreate());
+  FcPatternAddString(request.get(), FC_FAMILY, reinterpret_cast<const FcChar8*>(family.c_str()));
   FcPatternAddBool(request.get(), FC_SCALABLE, FcTrue);
   if (weight == Weight::Bold) FcPatternAddInteger(request.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
+  return request;
+}
+
+/// The match of fontconfig for a family and a weight.
+OwnedPattern matchFont(const std::string& family, Weight weight) {
+  const OwnedPattern request = requestFor(family, weight);
   FcConfigSubstitute(nullptr, request.get(), FcMatchPattern);
   FcDefaultSubstitute(request.get());
   FcResult result = FcResultNoMatch;
@@ -204,13 +209,10 @@ std::vector<FontFile> findFallback(const std::string& family, Weight weight,
                                    const std::u32string& missing) {
   FcCharSet* letters = FcCharSetCreate();
   for (const char32_t letter : missing) FcCharSetAddChar(letters, letter);
-  const OwnedPattern request(FcPatternCreate());
-  FcPatternAddString(request.get(), FC_FAMILY, reinterpret_cast<const FcChar8*>(family.c_str()));
+  const OwnedPattern request = requestFor(family, weight);
   FcPatternAddCharSet(request.get(), FC_CHARSET, letters);
   FcCharSetDestroy(letters);  // the pattern has its own reference
-  FcPatternAddBool(request.get(), FC_SCALABLE, FcTrue);
   FcPatternAddBool(request.get(), FC_COLOR, FcFalse);
-  if (weight == Weight::Bold) FcPatternAddInteger(request.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
   if (const char* language = languageOf(missing)) {
     FcPatternAddString(request.get(), FC_LANG, reinterpret_cast<const FcChar8*>(language));
   }

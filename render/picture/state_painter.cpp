@@ -155,17 +155,6 @@ std::vector<std::vector<std::vector<Vector3>>> ghostFaces(Ghost ghost,
   return ghosts;
 }
 
-/// The corners of all bricks at the start, at the target and in the run.
-std::vector<Vector3> cornersOfRun(const PictureContent& content) {
-  std::vector<Vector3> corners = shownCorners(content, content.start);
-  for (const Poses& poses : content.states) append(corners, shownCorners(content, poses));
-  if (content.target) {
-    const std::vector<model::Brick> bricks = targetBricks(content);
-    append(corners, brickCorners(bricks, model::startPoses(*content.target, bricks)));
-  }
-  return corners;
-}
-
 void requireTarget(const PictureContent& content, const char* option) {
   if (content.target) return;
   throw InputError(
@@ -255,18 +244,25 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
   if (targetLines_) requireTarget(content_, "--target-lines");
   if (look.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
   ghosts_ = ghostFaces(look.ghost, content_);
-  if (cueShare_ <= 0) return;
-  cuePoints_ = cornersOfRun(content_);
-  if (cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
+  if (cueShare_ > 0 && cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
 }
 
+/// Its range has the bricks at the start, at the target and in the run.
 DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
   DepthCue cue{cueShare_, std::numeric_limits<double>::infinity(),
                -std::numeric_limits<double>::infinity()};
-  for (const Vector3& point : cuePoints_) {
-    const double distance = distanceAlongView(camera, point);
-    cue.nearest = std::min(cue.nearest, distance);
-    cue.farthest = std::max(cue.farthest, distance);
+  const auto include = [&](const std::vector<Vector3>& corners) {
+    for (const Vector3& corner : corners) {
+      const double distance = distanceAlongView(camera, corner);
+      cue.nearest = std::min(cue.nearest, distance);
+      cue.farthest = std::max(cue.farthest, distance);
+    }
+  };
+  include(shownCorners(content_, content_.start));
+  for (const Poses& poses : content_.states) include(shownCorners(content_, poses));
+  if (content_.target) {
+    const std::vector<model::Brick> bricks = targetBricks(content_);
+    include(brickCorners(bricks, model::startPoses(*content_.target, bricks)));
   }
   return cue;
 }

@@ -70,6 +70,10 @@ enum class FitScope {
 /// A state that is drawn with every other one, as pale transparent bricks.
 enum class Ghost { None, Target, Start };
 
+/// How options and summaries spell them.
+inline constexpr std::array<std::pair<const char*, Ghost>, 3> kGhosts{
+    {{"none", Ghost::None}, {"target", Ghost::Target}, {"start", Ghost::Start}}};
+
 /// A colour for some tiles.
 struct TileColour {
   std::vector<int> tiles;  ///< zero-based numbers
@@ -354,8 +358,7 @@ class PictureSetup {
   bool targetLines_;
   std::vector<std::vector<std::vector<Vector3>>> ghosts_;  ///< see PictureItems
   double cueShare_;                                        ///< of a depth cue
-  std::vector<Vector3> cuePoints_;    ///< of the run, which determine the cue's range
-  std::optional<DepthCue> stillCue_;  ///< of a fixed camera
+  std::optional<DepthCue> stillCue_;                       ///< of a fixed camera
 };
 
 /// A setup with a painter. Use it only in the thread that makes it.

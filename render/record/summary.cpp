@@ -243,23 +243,21 @@ const char* colouringWord(picture::Colouring colouring) {
   return "plain";
 }
 
-const char* ghostWord(picture::Ghost ghost) {
-  if (ghost == picture::Ghost::None) return "none";
-  return ghost == picture::Ghost::Target ? "target" : "start";
+/// The word of a choice in its table.
+template <typename Choices, typename Choice>
+const char* wordOf(const Choices& choices, Choice choice) {
+  return std::ranges::find(choices, choice, &Choices::value_type::second)->first;
 }
 
 Json lookJson(const picture::Look& look) {
-  const char* ground = std::ranges::find(picture::kGroundLooks, look.ground,
-                                         &std::pair<const char*, picture::GroundLook>::second)
-                           ->first;
   return {{"theme", look.theme == picture::Theme::Dark ? "dark" : "light"},
           {"colour", colouringWord(look.colouring)},
-          {"ground", ground},
+          {"ground", wordOf(picture::kGroundLooks, look.ground)},
           {"transparent", look.transparent},
           {"outlines", look.outlines},
           {"joint_marks", look.jointMarks},
           {"target_lines", look.targetLines},
-          {"ghost", ghostWord(look.ghost)},
+          {"ghost", wordOf(picture::kGhosts, look.ghost)},
           {"depth_cue", look.depthCue},
           {"zoom", look.camera.zoom},
           {"margin", look.camera.margin},
