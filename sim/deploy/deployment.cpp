@@ -65,7 +65,8 @@ void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpr
   }
   if (!springs.empty()) return;
   throw InputError(
-      "error: `panels` bends only split tiles and folds in dynamic runs, and there are none. Split "
+      "error: `panels` bends only split tiles and folds in dynamic runs, but the scene has "
+      "neither. Split "
       "tiles (`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`). Tiles "
       "that also stretch need a [[grip]] in scene.toml");
 }

@@ -39,7 +39,7 @@ PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& neare
 PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
                           const run::TrialObserver& observer);
 
-/// A warning about overlaps on the selected path, with suggestions; empty if there are none.
+/// A warning about overlaps on the selected path, with suggestions; empty without overlaps.
 std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned);
 
 }  // namespace kirireel::path

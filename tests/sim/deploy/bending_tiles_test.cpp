@@ -257,7 +257,8 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.model.joints.clear();
   EXPECT_EQ(messageFor(scene),
-            "error: `panels` bends only split tiles and folds in dynamic runs, and there are none. "
+            "error: `panels` bends only split tiles and folds in dynamic runs, but the scene has "
+            "neither. "
             "Split tiles (`split_tiles = all`), or give folds a length scale (`panels = "
             "E,NU,LENGTH`). Tiles that also stretch need a [[grip]] in scene.toml");
   // Folds alone are enough, and that tiles stay rigid is said.
