@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -20,12 +21,7 @@ cli::RecordOrder recordOrder(const Words& words) {
 }
 
 std::string messageOf(const Words& words) {
-  try {
-    cli::parseCommandLine(words);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusalOf([&] { cli::parseCommandLine(words); });
 }
 
 std::string page(const Words& words) {

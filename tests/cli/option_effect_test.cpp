@@ -9,19 +9,15 @@
 #include "render/cli/command_line.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
 
 using Words = std::vector<std::string>;
 
-std::string messageOf(const Words& words) {
-  try {
-    cli::parseCommandLine(words);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refusalOfWords(const Words& words) {
+  return test::refusalOf([&] { cli::parseCommandLine(words); });
 }
 
 /// A command line on which the option has no effect, and the words to add that give it one.
@@ -185,7 +181,7 @@ TEST(OptionEffects, AreEachRefusedWithTheirReason) {
     const std::string expected =
         fmt::format(" has no effect {}. {} or remove ", effect.reason, effect.remedy);
     EXPECT_TRUE(std::any_of(first, last, [&](const auto& entry) {
-      return messageOf(entry.second.idle).find(expected) != std::string::npos;
+      return refusalOfWords(entry.second.idle).find(expected) != std::string::npos;
     })) << "no case is refused so";
   }
 }
@@ -194,7 +190,7 @@ TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
   for (const auto& [option, example] : cases()) {
     if (example.cure.empty()) continue;
     SCOPED_TRACE(fmt::format("{}", fmt::join(example.idle, " ")));
-    EXPECT_THAT(messageOf(example.idle), testing::HasSubstr(" has no effect "));
+    EXPECT_THAT(refusalOfWords(example.idle), testing::HasSubstr(" has no effect "));
     Words words = example.idle;
     if (example.cure.front() == "-") {
       for (const std::string& word : kSwitches) words = without(words, word);
@@ -208,7 +204,7 @@ TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
       if (words.front() == "export" && example.cure.front() == "--format")
         words.erase(format, format + 2);
     }
-    EXPECT_EQ(messageOf(words), "accepted");
+    EXPECT_EQ(refusalOfWords(words), "accepted");
   }
 }
 
@@ -218,17 +214,17 @@ TEST(OptionEffects, AreAskedOfWhatIsTyped) {
   std::ofstream(folder / "run.toml") << "[environment]\nbrick_friction = 0.3\ncontacts = \"none\"\n"
                                         "[style]\ncolour_map = \"cividis\"\n";
   const Words record = {"record", "fan", "--scene", (folder / "run.toml").string()};
-  EXPECT_EQ(messageOf(record), "accepted");
-  EXPECT_EQ(messageOf(record + Words{"--brick-friction", "0.2"}),
+  EXPECT_EQ(refusalOfWords(record), "accepted");
+  EXPECT_EQ(refusalOfWords(record + Words{"--brick-friction", "0.2"}),
             "error: --brick-friction has no effect without contacts. Remove --contacts none or "
             "remove --brick-friction");
 }
 
 // PyKirigami accepts its options in any company.
 TEST(OptionEffects, AreNotAskedOfPyKirigami) {
-  EXPECT_EQ(
-      messageOf({"record", "--model", "fan", "--actuation", "none", "--spring_stiffness", "25"}),
-      "accepted");
+  EXPECT_EQ(refusalOfWords(
+                {"record", "--model", "fan", "--actuation", "none", "--spring_stiffness", "25"}),
+            "accepted");
 }
 
 }  // namespace

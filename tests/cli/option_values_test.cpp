@@ -8,22 +8,12 @@
 
 #include "render/cli/command_line.h"
 #include "render/cli/option_group.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// The message with which reading the value fails, or "" when it succeeds.
-template <typename Read>
-std::string messageOf(const Read& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(OptionNames, AreMadeOfTheKeysInMessages) {
   EXPECT_EQ(cli::spellOptions(
@@ -71,7 +61,7 @@ TEST(OptionNumber, ReadsWhatPeopleType) {
 TEST(OptionNumber, RefusesEverythingElse) {
   for (const char* text : {"", "abc", "1,5", "1 ", " 1", "nan", "inf", "1e999", "0x10", "5m"}) {
     EXPECT_EQ(
-        messageOf([&] {
+        test::refusalOf([&] {
           scene::parseNumber({"--thickness", text}, {0, 10});
         }),
         fmt::format("error: --thickness: '{}' is not allowed; give a number from 0 to 10", text));
@@ -82,7 +72,7 @@ TEST(OptionTiles, AreNumbersOrAll) {
   EXPECT_TRUE(cli::parseTiles({"--split-tiles", "all"}).empty());
   EXPECT_EQ(cli::parseTiles({"--split-tiles", "3,7,8"}), (std::vector<int>{3, 7, 8}));
   EXPECT_EQ(
-      messageOf([] {
+      test::refusalOf([] {
         cli::parseTiles({"--split-tiles", "3,x"});
       }),
       "error: --split-tiles: '3,x' is not allowed; give all, or numbers of tiles, as in 3,7,8");
@@ -90,15 +80,15 @@ TEST(OptionTiles, AreNumbersOrAll) {
 
 TEST(OptionNumber, SaysWhatIsAllowed) {
   const double most = scene::Range().most;
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               scene::parseNumber({"--mu", "-1"}, {0, most});
             }),
             "error: --mu: '-1' is not allowed; give a number of at least 0");
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               scene::parseInteger({"--fps", "2.5"}, {1, 240});
             }),
             "error: --fps: '2.5' is not allowed; give a whole number from 1 to 240");
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               scene::parseInteger({"--fps", "0"}, {1, 240});
             }),
             "error: --fps: '0' is not allowed; give a whole number from 1 to 240");
@@ -107,7 +97,7 @@ TEST(OptionNumber, SaysWhatIsAllowed) {
 TEST(OptionSize, ReadsWidthAndHeight) {
   EXPECT_EQ(cli::parseSize({"--size", "640x480"}), (picture::FrameSize{640, 480}));
   for (const char* text : {"640", "640x", "x480", "0x480", "640x100000", "640x480x2", "640X480"}) {
-    EXPECT_EQ(messageOf([&] {
+    EXPECT_EQ(test::refusalOf([&] {
                 cli::parseSize({"--size", text});
               }),
               fmt::format("error: --size: '{}' is not allowed; give WIDTHxHEIGHT in pixels, each "
@@ -119,7 +109,7 @@ TEST(OptionSize, ReadsWidthAndHeight) {
 TEST(OptionGrid, ReadsRowsAndColumns) {
   EXPECT_EQ(cli::parseGrid({"--grid", "2x5"}), (picture::GridShape{2, 5}));
   EXPECT_EQ(
-      messageOf([] {
+      test::refusalOf([] {
         cli::parseGrid({"--grid", "0x3"});
       }),
       "error: --grid: '0x3' is not allowed; give ROWSxCOLUMNS, each from 1 to 100, as in 3x3");
@@ -129,7 +119,7 @@ TEST(OptionGravity, IsAlongZOrAVector) {
   EXPECT_EQ(scene::parseGravity({"--gravity", "-9.81"}), Vector3(0, 0, -9.81));
   EXPECT_EQ(scene::parseGravity({"--gravity", "1,-2,3"}), Vector3(1, -2, 3));
   for (const char* text : {"", "down", "1,2", "1,2,3,4", "1,,3", "nan"}) {
-    EXPECT_THAT(messageOf([&] {
+    EXPECT_THAT(test::refusalOf([&] {
                   scene::parseGravity({"--gravity", text});
                 }),
                 HasSubstr("is not allowed; give one number (along z) or three as X,Y,Z"));
@@ -139,7 +129,7 @@ TEST(OptionGravity, IsAlongZOrAVector) {
 TEST(OptionChoice, NamesTheChoices) {
   const scene::Choices<int> choices = {{"all", 1}, {"unjoined", 2}, {"none", 3}};
   EXPECT_EQ(scene::parseChoice<int>({"--contacts", "unjoined"}, choices), 2);
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               scene::parseChoice<int>({"--contacts", "some"}, choices);
             }),
             "error: --contacts: 'some' is not allowed; give all, unjoined or none");
@@ -156,7 +146,7 @@ TEST(OptionTileColour, IsTilesAndAColour) {
   EXPECT_EQ(named.tiles, (std::vector<int>{3, 7}));
   EXPECT_EQ(cli::tileColoursText({named}), "\"a = b: c:3,7=008080\"");
   for (const char* text : {"3", "=teal", "a=teal", "3,=teal", "5-3=teal", "-1=teal", "1-=teal"}) {
-    EXPECT_EQ(messageOf([&] {
+    EXPECT_EQ(test::refusalOf([&] {
                 cli::parseTileColour({"--tile-colour", text});
               }),
               fmt::format("error: --tile-colour: '{}' is not allowed; give numbers of tiles and a "
@@ -171,14 +161,14 @@ TEST(OptionTileOpacity, IsTilesAndAShare) {
   EXPECT_EQ(made.opacity, 0.25);
   EXPECT_EQ(cli::tileOpacitiesText({made}), "\"3,10,11,12=0.25\"");
   for (const char* text : {"3", "=0.5", "a=0.5", "3,=1", "5-3=1"}) {
-    EXPECT_EQ(messageOf([&] {
+    EXPECT_EQ(test::refusalOf([&] {
                 cli::parseTileOpacity({"--tile-opacity", text});
               }),
               fmt::format("error: --tile-opacity: '{}' is not allowed; give numbers of tiles and a "
                           "share, as in 3,7,10-15=0.3",
                           text));
   }
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               cli::parseTileOpacity({"--tile-opacity", "3=1.5"});
             }),
             "error: --tile-opacity: '1.5' is not allowed; give a number from 0 to 1");
@@ -188,7 +178,7 @@ TEST(OptionColour, IsHexadecimalOrAName) {
   EXPECT_EQ(cli::parseColour({"--brick-colour", "80aeDC"}), (picture::Colour{128, 174, 220}));
   EXPECT_EQ(cli::parseColour({"--brick-colour", "teal"}), (picture::Colour{0, 128, 128}));
   for (const char* text : {"", "80AED", "80AEDCFF", "sky", "80AEDG", "0x80AE", "-80AED"}) {
-    EXPECT_EQ(messageOf([&] {
+    EXPECT_EQ(test::refusalOf([&] {
                 cli::parseColour({"--brick-colour", text});
               }),
               fmt::format("error: --brick-colour: '{}' is not allowed; give red, green and blue in "
@@ -199,12 +189,12 @@ TEST(OptionColour, IsHexadecimalOrAName) {
 }
 
 TEST(OptionCameraKeys, SayWhichKeyIsWrong) {
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               cli::parseCameraKeys({"--camera-keys", "0:0:0:1,2:30:4"});
             }),
             "error: --camera-keys: '2:30:4' is not allowed; give TIME:YAW:PITCH:ZOOM, for example "
             "2.5:90:-20:1.5");
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               cli::parseCameraKeys({"--camera-keys", "0:0:-91:1"});
             }),
             "error: --camera-keys: '-91' is not allowed; give a number from -90 to 90");
@@ -214,12 +204,12 @@ TEST(OptionCaption, NamesParts) {
   const picture::CaptionParts none = cli::parseCaption({"--captions", "none"});
   EXPECT_FALSE(none.time || none.angle || none.error || none.gap);
   EXPECT_TRUE(cli::parseCaption({"--captions", "error,time"}).error);
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               cli::parseCaption({"--captions", "time,colour"});
             }),
             "error: --captions: 'colour' is not allowed; give progress, time, angle, error, gap or "
             "none");
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               cli::parseCaption({"--captions", "time,none"});
             }),
             "error: --captions: 'time,none' is not allowed; give none, or parts such as "

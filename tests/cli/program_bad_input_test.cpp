@@ -29,7 +29,7 @@ void expectOneLine(const ProgramEnd& end, int exitCode, const std::string& part)
 /// Records a model with these files; "absent" leaves one out.
 void expectRefused(const std::string& vertices, const std::string& joints,
                    const std::string& part) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   if (vertices != "absent") writeText(scratch / "vertices.txt", vertices);
   if (joints != "absent") writeText(scratch / "constraints.txt", joints);
   const auto out = scratch / "out";
@@ -39,7 +39,7 @@ void expectRefused(const std::string& vertices, const std::string& joints,
 }
 
 TEST(BadModel, OverlappingTiles) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   writeText(scratch / "vertices.txt",
             "0 0 0 1 0 0 1 1 0 0 1 0\n0.5 0 0 1.5 0 0 1.5 1 0 0.5 1 0\n"
             "1.2 0 0 2.2 0 0 2.2 1 0 1.2 1 0\n");
@@ -100,7 +100,7 @@ TEST(BadCommandLine, EndsWithTwo) {
 }
 
 TEST(BadCommandLine, OddVideoSizeIsRefusedBeforeTheRun) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const auto out = scratch / "out";
   expectOneLine(runKirireel({"record", shippedModel("tessellation_4x4").string(), "--size",
                              "641x480", "--out", out.string()}),
@@ -117,7 +117,7 @@ TEST(BadCommandLine, TellsTheRangeThatItKeeps) {
 }
 
 TEST(BadCommandLine, TitleThatNoFontCanWrite) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   // A machine with DejaVu Sans only.
   writeText(scratch / "fonts.conf",
             "<fontconfig><dir>/usr/share/fonts/truetype/dejavu</dir><cachedir>" +
@@ -153,7 +153,7 @@ TEST(BadCommandLine, TitleThatNoFontCanWrite) {
 }
 
 TEST(BadModel, ThicknessInAnotherUnit) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const auto complaint = [&](const char* thickness) {
     return runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",
                         (scratch / "out").string(), "--duration", "0.01", "--thickness", thickness})
@@ -176,7 +176,7 @@ TEST(BadModel, ThicknessInAnotherUnit) {
 }
 
 TEST(BadOutput, FolderThatCannotBeMade) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   writeText(scratch / "file", "not a folder");
   const std::string model = shippedModel("tessellation_4x4").string();
   const std::string inFile = (scratch / "file" / "out").string();
@@ -200,7 +200,7 @@ std::vector<std::string> recordArguments(const std::filesystem::path& out) {
 TEST(BadOutput, FileThatCannotGrowLeavesNothingHalfWritten) {
   // Below the trajectory's size, below the pictures' size.
   for (const int size : {4000, 60000}) {
-    const ScratchFolder scratch;
+    const TemporaryFolder scratch;
     ProgramSetting setting;
     setting.largestFile = size;
     const ProgramEnd end = runKirireel(recordArguments(scratch / "out"), setting);
@@ -225,13 +225,13 @@ class SmallDisk {
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
   bool mounted_;
 };
 
 // Finished files are those of an undisturbed run, and nothing else is left.
 TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
-  const ScratchFolder whole;
+  const TemporaryFolder whole;
   ASSERT_EQ(runKirireel(recordArguments(whole.path())).exitCode, 0);
   std::uintmax_t needed = 0;
   for (const std::string& name : filesIn(whole.path())) {
@@ -259,7 +259,7 @@ TEST(BadOutput, FolderThatCannotBeWritten) {
 }
 
 TEST(BadOutput, FolderOfARunThatIsUnderWay) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> slow = recordArguments(scratch.path());
   slow.insert(slow.end(), {"--solver", "bullet", "--substeps", "10000"});
   const RunningProgram first(slow, {});
@@ -271,7 +271,7 @@ TEST(BadOutput, FolderOfARunThatIsUnderWay) {
 }
 
 TEST(BadSystem, MissingEncoder) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> words = recordArguments(scratch.path());
   words.insert(words.end(), {"--encoder", "libx999"});
   expectOneLine(runKirireel(words), 1, "libavcodec has no encoder libx999 here");
@@ -287,7 +287,7 @@ TEST(BadSystem, TooLittleMemory) {
   if (runKirireel({"--version"}, setting).exitCode != 0) {
     GTEST_SKIP() << "the libraries here are too large for this limit";
   }
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = (scratch / "model").string();
   expectOneLine(
       runKirireel({"generate", "tessellation", model, "--columns", "500", "--rows", "500"},
@@ -313,7 +313,7 @@ TEST(BadSystem, StandardOutputThatIsFull) {
   const std::string model = shippedModel("tessellation_4x4").string();
   const std::string part =
       "error: standard output cannot be written (No space left on device); the files were written";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = (scratch / "out").string();
   expectOneLine(runKirireel({"--help"}, setting), 1, part);
   expectOneLine(runKirireel({"record", "--help"}, setting), 1, part);
@@ -329,7 +329,7 @@ TEST(BadSystem, StandardOutputThatIsFull) {
 }
 
 TEST(BadSystem, NoOpenGl) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> words = recordArguments(scratch.path());
   // The driver then offers less than the version that is asked for.
   words.insert(words.begin(), {"MESA_GL_VERSION_OVERRIDE=2.1", KIRIREEL_PROGRAM});

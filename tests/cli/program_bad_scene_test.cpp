@@ -38,7 +38,7 @@ class BadScene : public testing::Test {
     return nlohmann::json::parse(readText(scratch_ / "out/summary.json"));
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
 };
 
 TEST_F(BadScene, TilesThatDoNotExist) {

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 void expectDecksToRun(const std::filesystem::path& model) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", model.string(), "--out", out, "--fps", "10", "--duration", "5", "--path",
                "straight"});
@@ -69,7 +69,7 @@ std::map<int, Vector3> nodesOf(const std::filesystem::path& file) {
 /// The displacements of all nodes, in metres, in this state of a run. `unit` is one of --deck-unit.
 std::vector<Vector3> displacementsUnderPull(const std::string& run, const std::string& state,
                                             const std::string& unit) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"export", run, "--format", "inp", "--states", state, "--elements-per-edge", "2",
                "--deck-unit", unit, "--out", out});
@@ -92,7 +92,7 @@ std::vector<Vector3> displacementsUnderPull(const std::string& run, const std::s
 
 TEST(ProgramSupports, HoldEveryMechanismInTheMiddleOfADeployment) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string run = scratch.path().string();
   runKirireel({"simulate", shippedModel("cylinder").string(), "--out", run});
   // At 67% a motion of all tiles strains the joints by only 1.6e-4 of itself.
@@ -118,7 +118,7 @@ TEST(ProgramSupports, HoldEveryMechanismInTheMiddleOfADeployment) {
 /// By how much nodes miss their places in the final state, in metres, where CalculiX follows the
 /// whole deployment by default options.
 double missAtTheEnd(const std::string& model) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel(model).string(), "--out", out});
   runKirireel({"export", out, "--format", "inp", "--states", "initial", "--drive", "all"});
@@ -152,7 +152,7 @@ TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
 
 TEST(ProgramCheck, SaysHowMuchElementsMatter) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", out});
   const std::vector<std::string> order = {
@@ -170,7 +170,7 @@ TEST(ProgramCheck, SaysHowMuchElementsMatter) {
 }
 
 TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel("hexagons").string(), "--out", out, "--fps", "10",
                "--export", "inp", "--joints", "equation"});

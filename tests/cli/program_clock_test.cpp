@@ -17,7 +17,7 @@ std::vector<std::string> recordArguments(const std::filesystem::path& out) {
 }
 
 TEST(Clock, ThatJumpsChangesNothing) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   ASSERT_EQ(runKirireel(recordArguments(scratch / "undisturbed")).exitCode, 0);
   // Each look at the wall's clock finds it a day earlier, or later, than the last look.
   for (const std::string jump : {"-86400", "+86400"}) {

@@ -390,7 +390,7 @@ class Combinations : public testing::Test {
     fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused_, faults_);
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   int runs_ = 0;
   int refused_ = 0;
   int faults_ = 0;

@@ -106,7 +106,7 @@ class ConcaveTiles : public testing::Test {
 
   std::filesystem::path run() const { return scratch_ / "run"; }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   ProgramEnd end_;
 };
 

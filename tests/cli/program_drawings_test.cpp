@@ -32,7 +32,7 @@ TEST(ProgramDrawings, KeepTheirNecksThroughFiles) {
   EXPECT_NEAR(drawn.at("kerf")[0].get<double>(), 0.0003, 1e-7);
   EXPECT_THAT(runKirireel({"inspect", kSlots}).out, HasSubstr("\nnecks: 24, 1 mm to 1.15 mm wide, "
                                                               "0.3 mm long, kerf 0.3 mm\n"));
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   for (const std::string name : {"sheet.fold", "sheet"}) {
     const std::string file = scratch / name;
     ASSERT_EQ(runKirireel({"convert", kSlots, file}).exitCode, 0);
@@ -43,7 +43,7 @@ TEST(ProgramDrawings, KeepTheirNecksThroughFiles) {
 }
 
 TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string run = scratch / "run", scene = scratch / "scene.toml";
   writeText(scene,
             "[model]\nunit = \"mm\"\nhinge_neck = \"2e9\"\nligaments = true\n"
@@ -65,7 +65,7 @@ TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
 }
 
 TEST(ProgramDrawings, WithoutNecksSayWhatToGive) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   EXPECT_EQ(
       runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--hinge-neck", "2e9",
                    "--out", scratch / "run"})
@@ -75,7 +75,7 @@ TEST(ProgramDrawings, WithoutNecksSayWhatToGive) {
 }
 
 TEST(ProgramDrawings, GoToTheirSecondCompactState) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   for (const char* name : {"squares_slots.svg", "disk_slits.svg"}) {
     const ProgramEnd end =
         runKirireel({"simulate", std::string(KIRIREEL_SOURCE_DIR "/docs/drawings/") + name, "--to",

@@ -28,7 +28,7 @@ class ProgramExport : public testing::Test {
     return runKirireel(options);
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
 };
 
 TEST_F(ProgramExport, WritesStatesAndPrintsTheirNames) {
@@ -78,7 +78,7 @@ TEST_F(ProgramExport, IsPartOfARun) {
 }
 
 TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   for (const char* command : {"simulate", "record"}) {
     const ProgramEnd end = runKirireel({command, shippedModel("cylinder").string(), "--out",
                                         scratch.path().string(), "--export", "obj,dxf"});
@@ -97,7 +97,7 @@ TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
 }
 
 TEST(ProgramRun, IsDoneAlsoWhereAStateToExportIsNotInIt) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const ProgramEnd end =
       runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",
                    scratch.path().string(), "--export", "obj", "--states", "30s"});

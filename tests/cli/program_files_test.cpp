@@ -73,7 +73,7 @@ class Files : public testing::Test {
 
   double jointGap() const { return summary_["accuracy"]["joint_gap_max"].get<double>(); }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   nlohmann::json summary_;
 };
 

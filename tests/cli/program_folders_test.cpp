@@ -87,7 +87,7 @@ class Folders : public testing::Test {
     fs::create_directories(out_ / "frames");
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   fs::path out_ = scratch_ / "out";
 };
 

@@ -58,7 +58,7 @@ bool sameNumbers(const std::string& a, const std::string& b) {
 class ShippedModels : public testing::TestWithParam<ShippedModel> {};
 
 TEST_P(ShippedModels, AreWhatTheirCommandsMake) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> arguments = GetParam().arguments;
   const fs::path made = scratch / "model";
   arguments.push_back(made.string());
@@ -73,7 +73,7 @@ TEST_P(ShippedModels, AreWhatTheirCommandsMake) {
 }
 
 TEST_P(ShippedModels, SurviveConversionThereAndBack) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const fs::path model = kData / GetParam().name;
   for (const char* format : {"sheet.fold", "sheet_contracted.obj"}) {
     const std::string between = (scratch / format).string(), back = (scratch / "back").string();
@@ -106,7 +106,7 @@ int expectedCode(const nlohmann::json& summary) {
 }
 
 TEST_P(ShippedModels, ArriveOrSayWhatIsShort) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const fs::path model = kData / GetParam().name;
   const bool hasTarget = fs::exists(model / "target.txt");
   const ProgramEnd end = runKirireel({"simulate", model.string(), "--out", scratch.path().string(),
@@ -170,7 +170,7 @@ TEST(ProgramInspect, LeavesContactsToTheRun) {
 }
 
 TEST(ProgramInspect, PaintsNumbers) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string picture = (scratch / "numbers.png").string();
   ASSERT_EQ(runKirireel({"inspect", (kData / "tessellation_4x4").string(), "--picture", picture})
                 .exitCode,
@@ -181,7 +181,7 @@ TEST(ProgramInspect, PaintsNumbers) {
 TEST(ProgramConvert, ReadsPublishedPairsWithNoFlags) {
   const fs::path pairs = fs::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models/obj-pairs";
   if (!fs::exists(pairs)) GTEST_SKIP() << pairs << " is not there";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   int count = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(pairs)) {
     if (!entry.path().string().ends_with("_contracted.obj")) continue;

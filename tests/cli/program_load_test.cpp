@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr const char* kPython = "/usr/bin/python3";
+using test::kPython;
 
 /// So many numbers from the first on, with commas between.
 std::string listed(int first, int count) {
@@ -43,7 +43,7 @@ TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
   if (test::outputOf(fmt::format("{} -c 'import scipy; print(1)'", kPython)).empty()) {
     GTEST_SKIP() << "install python3-scipy to judge equilibria by its minimisers";
   }
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = scratch / "quads", run = scratch / "run",
                     scene = scratch / "scene.toml";
   runKirireel({"generate", "quads", "--columns", "8", "--rows", "8", "--start-angle", "40", model});
@@ -72,7 +72,7 @@ struct BarsAndHinges {
 };
 
 BarsAndHinges judgedAsBarsAndHinges(const char* which) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string script = KIRIREEL_SOURCE_DIR "/tests/cli/bar_and_hinge.py";
   const std::string folder = scratch.path(), run = scratch / "run";
   EXPECT_EQ(runTool(kPython, {script, "make", which, folder}).exitCode, 0);
@@ -113,7 +113,7 @@ TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
 // A Miura sheet stays stable. A Kresling tower has unstable modes on its way.
 TEST(ProgramLoad, PlotsItsLoadCurve) {
   if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to make origami";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string script = KIRIREEL_SOURCE_DIR "/tests/cli/bar_and_hinge.py";
   const std::string folder = scratch.path(), run = scratch / "run";
   for (const std::string which : {"miura", "kresling"}) {
@@ -149,7 +149,7 @@ struct PulledSheet {
 /// there, parts of each.
 double missOfNecks(double width, double length, const std::vector<std::string>& cut,
                    const std::string& joints, const PulledSheet& sheet = {}) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = scratch / "sheet", run = scratch / "run",
                     scene = scratch / "scene.toml";
   std::vector<std::string> generate = {"generate"};

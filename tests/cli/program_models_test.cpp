@@ -27,7 +27,7 @@ TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models" / model.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> arguments = {"simulate", folder.string(), "--out",
                                         scratch.path().string()};
   arguments.insert(arguments.end(), model.options.begin(), model.options.end());
@@ -65,7 +65,7 @@ TEST_P(PublishedPairs, DeployToTheirFloorWithNoFlags) {
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models/obj-pairs";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const ProgramEnd end =
       runKirireel({"simulate", (folder / GetParam()).string() + "_contracted.obj", "--out",
                    scratch.path().string(), "--fps", "10"});
@@ -99,7 +99,7 @@ TEST(KnownModels, AreListed) {
   EXPECT_THAT(end.out, testing::MatchesRegex("name +tiles +joints +target\n(.*\n)*"
                                              "ammann_beenker_48 +[0-9]+ +[0-9]+  no\n(.*\n)*"
                                              "tessellation_4x4 +16 +24  yes\n(.*\n)*"));
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::filesystem::create_directories(scratch / "data/broken");
   writeText(scratch / "data/broken/vertices.txt", "0 0 0 1\n");
   const ProgramEnd broken = runKirireel({"models"}, {.folder = scratch.path()});

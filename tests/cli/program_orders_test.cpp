@@ -110,7 +110,7 @@ class Orders : public testing::Test {
 
   std::size_t draw(std::size_t count) { return generator_() % count; }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   std::mt19937 generator_{20};
 };
 

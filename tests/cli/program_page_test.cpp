@@ -22,7 +22,7 @@ class PageCommand : public testing::Test {
 
   std::filesystem::path run() const { return scratch_.path() / "run"; }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
 };
 
 TEST_F(PageCommand, WritesAPageThatVerifies) {

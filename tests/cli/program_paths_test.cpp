@@ -24,7 +24,7 @@ std::vector<std::string> recordArguments(const fs::path& model, const fs::path& 
 }
 
 TEST(AwkwardNames, OfModelAndOutputAreTakenAsTheyAre) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const fs::path model = scratch / kAwkward / kAwkward;
   fs::create_directories(model.parent_path());
   fs::copy(shippedModel("tessellation_4x4"), model);
@@ -46,7 +46,7 @@ TEST(AwkwardNames, OfModelAndOutputAreTakenAsTheyAre) {
 }
 
 TEST(AwkwardNames, MayBeAnyBytes) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = (scratch / "mod\xff\xfe").string();
   fs::copy(shippedModel("tessellation_4x4"), model);
   const fs::path out = scratch / "out\xff";
@@ -71,7 +71,7 @@ TEST(AwkwardNames, AreShownInOneLine) {
 
 // A user may keep a large file on another disk. A link to anything else is not ours to replace.
 TEST(Links, ToARunsOwnFilesAreReplacedNotFollowed) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const fs::path disk = scratch / "disk", out = scratch / "out";
   const auto words = recordArguments(shippedModel("tessellation_4x4"), out);
   ASSERT_EQ(runKirireel(words).exitCode, 0);
@@ -85,7 +85,7 @@ TEST(Links, ToARunsOwnFilesAreReplacedNotFollowed) {
 }
 
 TEST(Links, AreReplacedByOtherCommandsToo) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   writeText(scratch / "theirs", "theirs");
   for (const char* name : {"sheet.fold", "sheet.part.fold"}) {
     fs::create_symlink(scratch / "theirs", scratch / name);
@@ -98,7 +98,7 @@ TEST(Links, AreReplacedByOtherCommandsToo) {
 
 // The output folder itself may be one: who names it wants what it leads to.
 TEST(Links, ToTheOutputFolderAreFollowed) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   fs::create_directory(scratch / "disk");
   fs::create_symlink(scratch / "disk", scratch / "out");
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
@@ -109,7 +109,7 @@ TEST(Links, ToTheOutputFolderAreFollowed) {
 }
 
 TEST(SceneTexts, AreNeverActedOn) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string made = (scratch / "made").string();
   const std::string command = "$(touch " + made + ")`touch " + made + "`|touch " + made + ";";
   const auto run = [&](const std::string& scene) {

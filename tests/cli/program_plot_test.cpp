@@ -30,7 +30,7 @@ class PlotSweep : public testing::Test {
 
   std::filesystem::path picture() const { return folder_ / "plot.svg"; }
 
-  const ScratchFolder folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(PlotSweep, FullGridsAreCellsAndOthersDots) {

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr const char* kPython = "/usr/bin/python3";  ///< that Debian's packages are for
+using test::kPython;
 
 /// Exports states of a run, its tiles joined in this style.
 void exportAs(const std::string& run, const std::string& style, const std::string& out) {
@@ -48,7 +48,7 @@ TEST_P(Readers, FindNothingToMend) {
   }
   const bool hasMeshio =
       !test::outputOf(std::string(kPython) + " -c 'import meshio; print(1)'").empty();
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string run = scratch / "run";
   runKirireel({"simulate", shippedModel(GetParam()).string(), "--out", run, "--fps", "10",
                "--duration", "2", "--path", "straight"});

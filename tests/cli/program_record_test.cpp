@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/files.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {
 namespace {
 
-using Json = nlohmann::json;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -23,7 +23,7 @@ using ::testing::MatchesRegex;
 class Recording : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new ScratchFolder;
+    folder_ = new TemporaryFolder;
     end_ = runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out", path(""),
                         "--size", "320x240", "--fps", "30", "--grid", "2x2", "--frames"});
     summary_ = Json::parse(readText(path("summary.json")), nullptr, /*allow_exceptions=*/false);
@@ -32,7 +32,7 @@ class Recording : public testing::Test {
 
   static std::string path(const std::string& name) { return (*folder_ / name).string(); }
 
-  static inline ScratchFolder* folder_ = nullptr;
+  static inline TemporaryFolder* folder_ = nullptr;
   static inline ProgramEnd end_;
   static inline Json summary_;
 };
@@ -121,7 +121,7 @@ TEST_F(Recording, ReachesTheTargetWithClosedJoints) {
 }
 
 TEST_F(Recording, EndStateServesAsATarget) {
-  const ScratchFolder model;
+  const TemporaryFolder model;
   for (const char* name : {"vertices.txt", "constraints.txt"}) {
     std::filesystem::copy(shippedModel("tessellation_4x4") / name, model / name);
   }
@@ -131,17 +131,10 @@ TEST_F(Recording, EndStateServesAsATarget) {
   EXPECT_EQ(end.exitCode, 0) << end.err;
 }
 
-/// The summary but for what may differ between runs.
-Json lasting(const std::filesystem::path& folder) {
-  Json summary = Json::parse(readText(folder / "summary.json"));
-  for (const char* key : {"cost", "sha256"}) summary.erase(key);
-  return summary;
-}
-
 /// The bytes of each file of a short run with so many threads that draw.
 std::map<std::string, std::string> filesOfRun(const std::string& threads,
                                               const std::vector<std::string>& options) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::vector<std::string> call = {"LP_NUM_THREADS=" + threads, KIRIREEL_PROGRAM, "record", "--out",
                                    scratch.path().string(),     "--size",         "160x120"};
   call.insert(call.end(), options.begin(), options.end());
@@ -149,7 +142,7 @@ std::map<std::string, std::string> filesOfRun(const std::string& threads,
   EXPECT_THAT(end.exitCode, testing::AnyOf(0, kEndedShort)) << end.err;
   std::map<std::string, std::string> files;
   for (const std::string& name : filesIn(scratch.path())) files[name] = readText(scratch / name);
-  files["summary.json"] = lasting(scratch.path()).dump();
+  files["summary.json"] = lastingSummary(scratch.path()).dump();
   return files;
 }
 
@@ -176,7 +169,7 @@ TEST(Record, LeavesTheSameBytesWhereBricksTouchInSpace) {
 }
 
 TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::vector<std::string> words = {"record", shippedModel("tessellation_4x4").string(),
                                           "--out", scratch.path().string(), "--no-video"};
   ASSERT_EQ(runKirireel(words).exitCode, 0);
@@ -190,7 +183,7 @@ TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
 }
 
 TEST(Record, GoesToOutNameByDefault) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   ProgramSetting setting;
   setting.folder = scratch.path();
   const ProgramEnd end =
@@ -201,14 +194,14 @@ TEST(Record, GoesToOutNameByDefault) {
 }
 
 TEST(Record, JsonOnStandardOutputIsTheSummary) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
                                       "--out", scratch.path().string(), "--json"});
   EXPECT_EQ(end.out, readText(scratch / "summary.json"));
 }
 
 TEST(Generate, MakesAModelThatRecords) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = (scratch / "mine").string();
   EXPECT_EQ(runKirireel({"generate", "tessellation", model, "--columns", "3", "--rows", "2"}).out,
             model + ": 6 tiles, 7 joints\n");
@@ -217,7 +210,7 @@ TEST(Generate, MakesAModelThatRecords) {
 }
 
 TEST(Generate, ShippedModelsComeFromIt) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = (scratch / "tessellation_4x4").string();
   ASSERT_EQ(runKirireel({"generate", "tessellation", model}).exitCode, 0);
   for (const std::string& name : filesIn(model)) {

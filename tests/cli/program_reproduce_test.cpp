@@ -16,7 +16,7 @@ ProgramEnd runReproduce(std::vector<std::string> arguments) {
 }
 
 TEST(Reproduce, LeavesAVideoARowAndATable) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const ProgramEnd end =
       runReproduce({"--rows", "quad_tessellation", "demo_nonrigid", "--program", KIRIREEL_PROGRAM,
                     "--out", scratch.path().string(), "--", "--size", "160x120", "--fps", "10"});
@@ -31,7 +31,7 @@ TEST(Reproduce, LeavesAVideoARowAndATable) {
 }
 
 TEST(Reproduce, TablesThePeersFiguresBesidePublishedModels) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   std::filesystem::copy(shippedModel("quad_tessellation"), scratch / "fan");
   const ProgramEnd end = runReproduce(
       {scratch.path().string(), "--rows", "fan", "cylinder", "--program", KIRIREEL_PROGRAM, "--out",

@@ -6,23 +6,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/files.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-/// Waits until this file is there, a minute at most.
-bool waitFor(const fs::path& file) {
-  for (int i = 0; i < 6000; ++i) {
-    if (fs::exists(file)) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
-
 std::vector<std::string> recordInto(const fs::path& out, const std::vector<std::string>& more) {
   std::vector<std::string> words = {"record",     shippedModel("nonrigid").string(),
                                     "--size",     "320x240",
@@ -34,34 +24,27 @@ std::vector<std::string> recordInto(const fs::path& out, const std::vector<std::
   return words;
 }
 
-/// The summary but for what may differ between runs.
-Json lasting(const fs::path& folder) {
-  Json summary = Json::parse(readText(folder / "summary.json"));
-  for (const char* key : {"cost", "sha256"}) summary.erase(key);
-  return summary;
-}
-
 void expectSameRun(const fs::path& folder, const fs::path& undisturbed) {
   EXPECT_EQ(filesIn(folder), filesIn(undisturbed));
   for (const std::string& name : filesIn(undisturbed)) {
     if (name == "summary.json") continue;
     EXPECT_TRUE(readText(folder / name) == readText(undisturbed / name)) << name;
   }
-  EXPECT_EQ(lasting(folder), lasting(undisturbed));
+  EXPECT_EQ(lastingSummary(folder), lastingSummary(undisturbed));
 }
 
 class Resume : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    undisturbed_ = new ScratchFolder;
+    undisturbed_ = new TemporaryFolder;
     ASSERT_EQ(runKirireel(recordInto(undisturbed_->path(), {})).exitCode, kEndedShort);
   }
   static void TearDownTestSuite() { delete undisturbed_; }
 
-  static ScratchFolder* undisturbed_;
-  ScratchFolder scratch_;
+  static TemporaryFolder* undisturbed_;
+  TemporaryFolder scratch_;
 };
-ScratchFolder* Resume::undisturbed_ = nullptr;
+TemporaryFolder* Resume::undisturbed_ = nullptr;
 
 TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
   for (const int signal : {SIGTERM, SIGKILL}) {
@@ -110,7 +93,7 @@ class ResumeOnTheWay : public testing::Test {
     return end.err;
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   std::string model_ = (scratch_ / "model").string();
   fs::path out_ = scratch_ / "out";
 };
@@ -187,8 +170,9 @@ TEST_F(Resume, MakesTheRunOfAnotherOrderAgain) {
   const ProgramEnd end =
       runKirireel(recordInto(scratch_.path(), {"--resume", "--thickness", "0.03"}));
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
-  EXPECT_NE(lasting(scratch_.path())["order"], lasting(undisturbed_->path())["order"]);
-  EXPECT_EQ(lasting(scratch_.path())["settings"]["model"]["thickness"], 0.03);
+  EXPECT_NE(lastingSummary(scratch_.path())["order"],
+            lastingSummary(undisturbed_->path())["order"]);
+  EXPECT_EQ(lastingSummary(scratch_.path())["settings"]["model"]["thickness"], 0.03);
 }
 
 }  // namespace

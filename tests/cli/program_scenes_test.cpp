@@ -55,7 +55,7 @@ class Scenes : public testing::Test {
                                    chain.run.bricks, chain.run.samples.back().poses);
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
 };
 
 /// How far the most tilted brick leans out of the start's plane, radians.

@@ -12,19 +12,10 @@
 namespace kirireel {
 namespace {
 
-/// Waits until something of this name is in the folder, a minute at most.
-bool waitFor(const std::filesystem::path& file) {
-  for (int i = 0; i < 6000; ++i) {
-    if (std::filesystem::exists(file)) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
-
 /// Records into `out`, sends the signal once `sign` is there, and expects a video of what was done.
 void expectInterruptedVideo(int signal, const std::string& sign,
                             const std::vector<std::string>& options) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = (scratch / "out").string();
   std::vector<std::string> arguments = {
       "record", shippedModel("tessellation_4x4").string(), "--size", "320x240", "--out", out};
@@ -74,7 +65,7 @@ TEST(Hangup, IsTreatedAsAnInterrupt) {
 }
 
 TEST(Hangup, IsIgnoredWhereItWasIgnoredBefore) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string out = (scratch / "out").string();
   RunningProgram program({KIRIREEL_PROGRAM, "simulate", shippedModel("tessellation_4x4").string(),
                           "--timestep", "1e-7", "--out", out},
@@ -88,7 +79,7 @@ TEST(Hangup, IsIgnoredWhereItWasIgnoredBefore) {
 }
 
 TEST(Interrupt, OfAStudyKeepsTheFinishedRows) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   RunningProgram program({"study", "tessellation", "--quick", "--out", scratch.path().string()},
                          {});
   ASSERT_TRUE(waitFor(scratch / "tessellation.csv"));

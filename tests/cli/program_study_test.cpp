@@ -29,7 +29,7 @@ TEST(ProgramStudy, NeedsAName) {
 }
 
 TEST(ProgramStudy, RefusesToResumeWhatIsNoTable) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   writeText(scratch / "scaling.csv", "case,tiles\na,1,2\n");
   const ProgramEnd end =
       runKirireel({"study", "scaling", "--quick", "--resume", "--out", scratch.path().string()});

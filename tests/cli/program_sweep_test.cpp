@@ -46,7 +46,7 @@ class SweepProgram : public testing::Test {
     return found;
   }
 
-  const ScratchFolder folder_;
+  const TemporaryFolder folder_;
 };
 
 constexpr const char* kSix =

@@ -29,7 +29,7 @@ class Targets : public testing::Test {
     return end;
   }
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   nlohmann::json summary_;
 };
 

@@ -82,7 +82,7 @@ void PrintTo(const UnitRun& run, std::ostream* stream) {
 class Units : public testing::TestWithParam<UnitRun> {};
 
 TEST_P(Units, LeaveFilesOfOneSize) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const auto record = [&](const std::string& name, const std::string& unit, double millimetre) {
     writeSquares(scratch / name, millimetre);
     const ProgramEnd end =
@@ -107,7 +107,7 @@ TEST_P(Units, LeaveFilesOfOneSize) {
 }
 
 TEST_P(Units, AreWhatAFileOfTheRunHas) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   writeSquares(scratch / "sheet", GetParam().millimetre);
   ASSERT_EQ(runKirireel({"convert", (scratch / "sheet").string(), (scratch / "again").string(),
                          "--unit", GetParam().unit})
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(All, Units,
                          [](const auto& info) { return std::string(info.param.unit); });
 
 TEST(NanometreSheets, Deploy) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   for (const char* unit : {"m", "nm"}) {
     writeSquares(scratch / unit, std::string(unit) == "m" ? 1e-9 : 1);
     const ProgramEnd end = runKirireel({"simulate", (scratch / unit).string(), "--unit", unit,

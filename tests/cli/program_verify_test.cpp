@@ -7,6 +7,7 @@
 
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
+#include "sim/base/files.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 #include "tests/support/pair_forces.h"
@@ -20,7 +21,7 @@ using ::testing::HasSubstr;
 class Verify : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    scratch_ = new ScratchFolder;
+    scratch_ = new TemporaryFolder;
     const ProgramEnd end =
         runKirireel({"record", shippedModel("nonrigid").string(), "--out", folder().string(),
                      "--size", "96x64", "--fps", "10", "--duration", "0.5", "--path", "dynamic",
@@ -32,9 +33,9 @@ class Verify : public testing::Test {
   static std::filesystem::path folder() { return scratch_->path(); }
   static ProgramEnd verify() { return runKirireel({"verify", folder().string()}); }
 
-  static ScratchFolder* scratch_;
+  static TemporaryFolder* scratch_;
 };
-ScratchFolder* Verify::scratch_ = nullptr;
+TemporaryFolder* Verify::scratch_ = nullptr;
 
 TEST_F(Verify, FindsAFreshRunWhole) {
   const ProgramEnd end = verify();
@@ -75,8 +76,6 @@ void falsify(const std::filesystem::path& file, const std::string& from, const s
   text.replace(text.find(from), from.size(), to);
   writeText(file, output::sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
 }
-
-using Json = nlohmann::ordered_json;
 
 /// What of a summary cannot be computed again: what the run cost this machine, and the files, whose
 /// hashes prove them.
@@ -151,7 +150,7 @@ TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
 
 // A sheet on necks that give: what its ligaments hold is computed again from the file.
 TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = scratch / "sheet", run = scratch / "run",
                     scene = scratch / "scene.toml";
   runKirireel(
@@ -184,7 +183,7 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
 // Tiles that bend under their weight: what their diagonals hold is in the summary, and verify finds
 // the same of it and of overlaps, which parts of a tile do not count in.
 TEST(VerifyBendingTiles, AgreesWithTheirRun) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string run = scratch / "run";
   const ProgramEnd end = runKirireel({"simulate",      shippedModel("tessellation_4x4").string(),
                                       "--split-tiles", "all",
@@ -206,7 +205,7 @@ TEST(VerifyBendingTiles, AgreesWithTheirRun) {
 
 // Bars hold most of the energy of tiles under grips. Poses do not show it.
 TEST(VerifyBendingTiles, AgreesWithTheirEquilibriaUnderGrips) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   const std::string model = scratch / "two.fold", scene = scratch / "scene.toml",
                     run = scratch / "run";
   writeText(model, R"({"vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]],
@@ -237,7 +236,7 @@ TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
 }
 
 TEST_F(Verify, NeedsASummary) {
-  const ScratchFolder empty;
+  const TemporaryFolder empty;
   const ProgramEnd end = runKirireel({"verify", empty.path().string()});
   EXPECT_EQ(end.exitCode, 2);
   EXPECT_EQ(end.err, "kirireel: " + empty.path().string() +

@@ -1,13 +1,14 @@
 #include "tests/cli/run_program.h"
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
-#include <stdexcept>
+#include <thread>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,12 +16,6 @@ namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path makeScratchFolder() {
-  std::string pattern = (fs::temp_directory_path() / "kirireel_test_XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no folder for scratch files");
-  return pattern;
-}
 
 void redirect(int stream, const fs::path& file) {
   const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -47,15 +42,14 @@ void redirect(int stream, const fs::path& file) {
 }  // namespace
 
 RunningProgram::RunningProgram(const std::vector<std::string>& arguments,
-                               const ProgramSetting& setting)
-    : folder_(makeScratchFolder()) {
+                               const ProgramSetting& setting) {
   std::vector<std::string> texts = {setting.executable};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> words;
   for (std::string& text : texts) words.push_back(text.data());
   words.push_back(nullptr);
   process_ = ::fork();
-  if (process_ == 0) becomeProgram(words, setting, folder_);
+  if (process_ == 0) becomeProgram(words, setting, folder_.path());
 }
 
 RunningProgram::~RunningProgram() {
@@ -63,7 +57,6 @@ RunningProgram::~RunningProgram() {
     ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);
   }
-  fs::remove_all(folder_);
 }
 
 void RunningProgram::sendSignal(int signal) const {
@@ -88,11 +81,18 @@ ProgramEnd runTool(const std::string& name, const std::vector<std::string>& argu
   return RunningProgram(arguments, setting).wait();
 }
 
-ScratchFolder::ScratchFolder() : path_(makeScratchFolder()) {}
+bool waitFor(const fs::path& file) {
+  for (int i = 0; i < 6000; ++i) {
+    if (fs::exists(file)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
 
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+Json lastingSummary(const fs::path& folder) {
+  Json summary = Json::parse(readText(folder / "summary.json"));
+  for (const char* key : {"cost", "sha256"}) summary.erase(key);
+  return summary;
 }
 
 std::vector<std::string> filesIn(const fs::path& folder) {
@@ -109,13 +109,7 @@ std::vector<std::string> filesIn(const fs::path& folder) {
 }
 
 std::string readText(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-void writeText(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
+  return test::bytesOf(file);
 }
 
 fs::path shippedModel(const std::string& name) {

@@ -9,7 +9,13 @@
 #include <sys/resource.h>
 #include <sys/types.h>
 
+#include "sim/base/files.h"
+#include "tests/support/files.h"
+
 namespace kirireel {
+
+using test::TemporaryFolder;
+using test::writeText;
 
 /// What a finished program leaves.
 struct ProgramEnd {
@@ -42,7 +48,7 @@ class RunningProgram {
   ProgramEnd wait();
 
  private:
-  std::filesystem::path folder_;  ///< holds what the program prints
+  TemporaryFolder folder_;  ///< holds what the program prints
   pid_t process_ = -1;
 };
 
@@ -53,28 +59,17 @@ ProgramEnd runKirireel(const std::vector<std::string>& arguments,
 /// Runs another program to its end; its exit code is 127 when there is no such program.
 ProgramEnd runTool(const std::string& name, const std::vector<std::string>& arguments);
 
-/// A fresh folder that vanishes with its owner.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
+/// Waits until this file exists, a minute at most; false if it then does not.
+bool waitFor(const std::filesystem::path& file);
 
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+/// A run's summary without what may differ between equal runs.
+Json lastingSummary(const std::filesystem::path& folder);
 
 /// The names of all files in a folder and below, sorted, relative to it.
 std::vector<std::string> filesIn(const std::filesystem::path& folder);
 
 /// The whole content of a file; "" when it cannot be read.
 std::string readText(const std::filesystem::path& file);
-
-void writeText(const std::filesystem::path& file, const std::string& text);
 
 /// A model folder that ships with the program.
 std::filesystem::path shippedModel(const std::string& name);

@@ -11,6 +11,12 @@
 
 namespace kirireel::test {
 
+/// Writes a file, and first the folder that it is in.
+inline void writeText(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
 /// A new empty folder that goes away with everything in it.
 class TemporaryFolder {
  public:
@@ -27,6 +33,9 @@ class TemporaryFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
+  void write(const std::string& name, const std::string& text) const {
+    writeText(path_ / name, text);
+  }
   bool isEmpty() const { return std::filesystem::is_empty(path_); }
 
  private:

@@ -9,6 +9,9 @@
 
 namespace kirireel::test {
 
+/// The Python that Debian's packages are for.
+inline constexpr const char* kPython = "/usr/bin/python3";
+
 /// Whether the shell finds this program.
 inline bool hasProgram(const std::string& name) {
   return std::system(fmt::format("command -v {} > /dev/null 2>&1", name).c_str()) == 0;

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"
+#include "tests/support/refusal.h"
 #include "tests/support/start_warnings.h"
 
 namespace kirireel {
@@ -42,12 +43,7 @@ class Export : public testing::Test {
   }
 
   std::string refusal(const std::vector<std::string>& names) const {
-    try {
-      states(names);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusalOf([&] { states(names); });
   }
 
   std::filesystem::path out() const { return folder_ / "out"; }

@@ -35,12 +35,6 @@ model::Tile square(double x, double y) {
   return model::Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
 }
 
-std::string setOf(const std::string& name, const std::vector<int>& nodes) {
-  std::string text;
-  fea::appendNodeSet(text, name, nodes);
-  return text;
-}
-
 /// The nodes that follow no others, all of them or those of a tile.
 std::vector<int> leaders(const fea::ElementMesh& mesh, int tile = -1) {
   const std::vector<bool> follows = fea::followers(mesh);
@@ -82,8 +76,8 @@ class SpringHinge {
         .appendMoments(moments, fea::DeckUnit::Model);
     if (moments == "*CLOAD\n") moments.clear();
     std::string job = test::ownJob(
-        setOf("HELD", leaders(mesh_, 0)) + setOf("FLAT", leaders(mesh_)) +
-            setOf("DRIVEN", corner()),
+        test::setOf("HELD", leaders(mesh_, 0)) + test::setOf("FLAT", leaders(mesh_)) +
+            test::setOf("DRIVEN", corner()),
         "HELD, 1, 3\nFLAT, 3, 3\n", load + moments,
         "DRIVEN, FREQUENCY=1000, TOTALS=ONLY\nRF\n*NODE PRINT, FREQUENCY=1000, NSET=DRIVEN");
     const std::string plain = "*STEP\n*STATIC\n";
@@ -159,7 +153,7 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
     load += fmt::format("*CONTACT PRINT, SLAVE=CONTACT_{0:05}_A, MASTER=CONTACT_{0:05}_B\nCF\n", k);
   }
   std::string job =
-      test::ownJob(setOf("FLAT", leaders(mesh)), "XMIN, 1, 3\nFLAT, 3, 3\n", load, "XMAX");
+      test::ownJob(test::setOf("FLAT", leaders(mesh)), "XMIN, 1, 3\nFLAT, 3, 3\n", load, "XMAX");
   job.insert(job.find("*BOUNDARY"), cards);
   const JobEnd end = test::run(fea::meshDeck(mesh, settings, kOrigin), job);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));

@@ -14,6 +14,7 @@
 #include "sim/trajectory/sheet.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -471,17 +472,6 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
             "leave one out");
 }
 
-/// What an error of such work says.
-template <typename Work>
-std::string refusalOf(const Work& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(Contact, PairsTheFlanksBesideEachJoint) {
   const fea::ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
   // Four joints with a gap on either side of each; the inner gap's flanks meet at two joints each.
@@ -495,7 +485,7 @@ TEST(Contact, PairsTheFlanksBesideEachJoint) {
 
 TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
   const auto refusal = [](const fea::ElementRule& rule) {
-    return refusalOf([&] { fea::contactPairs(meshOf(test::hingedSquares(), rule)); });
+    return test::refusalOf([&] { fea::contactPairs(meshOf(test::hingedSquares(), rule)); });
   };
   EXPECT_THAT(refusal({.family = fea::ElementFamily::Shell}),
               HasSubstr("remove --deck-contacts, or --shells and --joints neck"));
@@ -505,7 +495,7 @@ TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
 
 TEST(Periodic, SaysWhichSheetsRepeat) {
   const auto refusal = [](const Layout& layout, const fea::ElementRule& rule) {
-    return refusalOf([&] { fea::periodicity(meshOf(layout, rule)); });
+    return test::refusalOf([&] { fea::periodicity(meshOf(layout, rule)); });
   };
   EXPECT_EQ(refusal(test::hingedSquares(), {}), "accepted");
   EXPECT_THAT(refusal(test::hingedSquares(), {.family = fea::ElementFamily::Shell}),
@@ -537,7 +527,7 @@ TEST(Periodic, FollowsNoNodeThatFollows) {
 TEST(StateMap, MovesSolids) {
   const fea::ElementMesh mesh =
       meshOf(test::hingedSquares(), {.family = fea::ElementFamily::Shell});
-  EXPECT_THAT(refusalOf([&] { fea::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
+  EXPECT_THAT(test::refusalOf([&] { fea::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
               HasSubstr("--state-map moves solids"));
 }
 

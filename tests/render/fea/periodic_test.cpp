@@ -14,6 +14,7 @@
 #include "render/fea/sheet_ends.h"
 #include "sim/base/error.h"
 #include "tests/support/layouts.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -28,12 +29,7 @@ fea::SheetLattice latticeOf(const model::Model& model) {
 }
 
 std::string refusalOf(const model::Model& model) {
-  try {
-    latticeOf(model);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf([&] { latticeOf(model); });
 }
 
 TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {

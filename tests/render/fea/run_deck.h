@@ -17,6 +17,13 @@ struct JobEnd {
   std::string data;
 };
 
+/// The lines of a node set.
+inline std::string setOf(const std::string& name, const std::vector<int>& nodes) {
+  std::string text;
+  fea::appendNodeSet(text, name, nodes);
+  return text;
+}
+
 /// Runs a job whose mesh is x_mesh.inp.
 JobEnd run(const std::string& meshText, const std::string& jobText);
 

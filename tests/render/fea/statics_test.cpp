@@ -57,12 +57,6 @@ std::vector<int> allNodes(const fea::ElementMesh& mesh) {
   return nodes;
 }
 
-std::string setOf(const std::string& name, const std::vector<int>& nodes) {
-  std::string text;
-  fea::appendNodeSet(text, name, nodes);
-  return text;
-}
-
 TEST_P(Statics, ThreeHingedArchHasTheReactionsOfStatics) {
   // Feet A (0, 0) and B (2, 0), crown C (1, 1); 100 N down at (0.4, 0.6). About A, with the left
   // half's load alone, the right half pushes along BC: RB = (-20, 20), RA = (20, 80).
@@ -73,8 +67,8 @@ TEST_P(Statics, ThreeHingedArchHasTheReactionsOfStatics) {
   const fea::ElementMesh mesh = meshOf(layout, 0);
   const int loaded = mesh.tiles[0].edges[3].front();
   const std::string job = test::ownJob(
-      setOf("FOOTA", mesh.tiles[0].edges[0]) + setOf("FOOTB", mesh.tiles[1].edges[0]) +
-          setOf("FLAT", leadersAmong(mesh, allNodes(mesh))),
+      test::setOf("FOOTA", mesh.tiles[0].edges[0]) + test::setOf("FOOTB", mesh.tiles[1].edges[0]) +
+          test::setOf("FLAT", leadersAmong(mesh, allNodes(mesh))),
       "FOOTA, 1, 2\nFOOTB, 1, 2\nFLAT, 3, 3\n", fmt::format("*CLOAD\n{}, 2, -100.\n", loaded + 1),
       "FOOTA, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=FOOTB, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=FOOTA");
   const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
@@ -95,12 +89,12 @@ TEST_P(Statics, HingeTurnsWithoutMoment) {
   const fea::ElementMesh mesh = meshOf(layout);
   const std::vector<int>& driven = mesh.tiles[1].edges[3];
   const double height = std::sqrt(0.75);
-  std::string job =
-      test::ownJob(setOf("DRIVEN", driven) + setOf("HELD", leadersAmong(mesh, mesh.tiles[0].nodes)),
-                   "HELD, 1, 3\n", fmt::format("*BOUNDARY\nDRIVEN, 2, 2, {}\n", height),
-                   "HELD, FREQUENCY=1000, TOTALS=ONLY\nRF\n*EL PRINT, ELSET=EALL, "
-                   "FREQUENCY=1000\nS\n*NODE PRINT, "
-                   "FREQUENCY=1000, NSET=DRIVEN");
+  std::string job = test::ownJob(
+      test::setOf("DRIVEN", driven) + test::setOf("HELD", leadersAmong(mesh, mesh.tiles[0].nodes)),
+      "HELD, 1, 3\n", fmt::format("*BOUNDARY\nDRIVEN, 2, 2, {}\n", height),
+      "HELD, FREQUENCY=1000, TOTALS=ONLY\nRF\n*EL PRINT, ELSET=EALL, "
+      "FREQUENCY=1000\nS\n*NODE PRINT, "
+      "FREQUENCY=1000, NSET=DRIVEN");
   const std::string step = "*STEP\n*STATIC\n";
   // Forces are rounding alone: what to compare them with has to be said, here 1 N.
   job.replace(job.find(step), step.size(),
@@ -182,7 +176,7 @@ TEST_P(Statics, VolumeIsThatOfTheBricks) {
   const fea::ElementMesh mesh = meshOf(layout);
   const std::vector<int> held = leadersAmong(mesh, allNodes(mesh));
   const std::string job =
-      test::ownJob(setOf("HELD", held), "HELD, 1, 3\n", "",
+      test::ownJob(test::setOf("HELD", held), "HELD, 1, 3\n", "",
                    "NALL\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nEVOL\n*NODE PRINT, NSET=NALL");
   const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
   const std::size_t place = end.data.find("total volume");

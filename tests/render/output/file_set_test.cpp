@@ -14,11 +14,6 @@ namespace fs = std::filesystem;
 using testing::StrEq;
 using testing::ThrowsMessage;
 
-void write(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
-
 /// All files in a folder and below, and what they hold.
 std::map<std::string, std::string> contentsOf(const fs::path& folder) {
   std::map<std::string, std::string> contents;
@@ -43,7 +38,7 @@ class FileSetTest : public testing::Test {
     output::FileSet files(folder_.path(), output::kSummary);
     std::vector<std::string> names;
     for (const auto& [name, text] : contents) {
-      write(files.stage() / name, text);
+      test::writeText(files.stage() / name, text);
       names.push_back(name);
     }
     files.commit(recordOf(files.stage(), names));
@@ -62,7 +57,7 @@ class FileSetTest : public testing::Test {
 
 TEST_F(FileSetTest, ReplacesAnEarlierRunAltogether) {
   leaveRun({{"a.txt", "old"}, {"frames/1.png", "old"}, {"talk.webm", "old"}});
-  write(folder_ / "frames/own.png", "theirs");
+  test::writeText(folder_ / "frames/own.png", "theirs");
   leaveRun({{"a.txt", "new"}, {"b.txt", "new"}});
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}, {"frames/own.png", "theirs"}}));
   leaveRun({{"frames/1.png", "new"}});
@@ -76,8 +71,8 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
   const auto before = contentsOf(folder_.path());
   {
     output::FileSet files(folder_.path(), output::kSummary);
-    write(files.stage() / "a.txt", "half");
-    write(files.stage() / "checkpoint/state.h5", "state");
+    test::writeText(files.stage() / "a.txt", "half");
+    test::writeText(files.stage() / "checkpoint/state.h5", "state");
     // As a killed program leaves it.
     auto during = contentsOf(folder_.path());
     std::erase_if(during, [](const auto& file) { return file.first.starts_with(".unfinished/"); });
@@ -92,8 +87,8 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
 
 TEST_F(FileSetTest, OverwritesNothingOfOthers) {
   leaveRun({{"a.txt", "old"}, {"b.txt", "old"}});
-  write(folder_ / "b.txt", "edited");
-  write(folder_ / "c.txt", "theirs");
+  test::writeText(folder_ / "b.txt", "edited");
+  test::writeText(folder_ / "c.txt", "theirs");
   const auto before = contentsOf(folder_.path());
   const auto isRequested = [](const std::string& name) { return name.ends_with(".txt"); };
   {
@@ -108,7 +103,7 @@ TEST_F(FileSetTest, OverwritesNothingOfOthers) {
 }
 
 TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
-  write(folder_ / "theirs/f.png", "theirs");
+  test::writeText(folder_ / "theirs/f.png", "theirs");
   fs::create_symlink(folder_ / "theirs/f.png", folder_ / "a.txt");
   fs::create_directory(folder_ / "b.txt");
   fs::create_symlink(folder_ / "nowhere", folder_ / "c.txt");
@@ -129,9 +124,9 @@ TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
   const auto leave = [this] { leaveRun({{"a.txt", "new"}, {"b.txt", "new"}}); };
   {
     output::FileSet files(folder_.path(), output::kSummary);
-    write(files.stage() / "a.txt", "new");
-    write(files.stage() / "b.txt", "new");
-    write(folder_ / "b.txt", "theirs");
+    test::writeText(files.stage() / "a.txt", "new");
+    test::writeText(files.stage() / "b.txt", "new");
+    test::writeText(folder_ / "b.txt", "theirs");
     EXPECT_THROW(files.commit(recordOf(files.stage(), {"a.txt", "b.txt"})), InputError);
   }
   EXPECT_FALSE(fs::exists(folder_ / "a.txt"));
@@ -147,11 +142,12 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
   leaveRun({{"a.txt", "old"}, {"b.txt", "old"}, {"c.txt", "old"}});
   // Half moved: a.txt is in place, b.txt is not, and neither is the record.
   const fs::path stage = folder_ / ".unfinished";
-  write(stage / "a.txt", "new");
-  write(stage / "b.txt", "new");
-  write(stage / "summary.json", recordOf(stage, {"a.txt", "b.txt"}));
-  write(stage / "kirireel.txt",
-        "Kirireel works here. It moves whole files out of this folder and removes all others.\n");
+  test::writeText(stage / "a.txt", "new");
+  test::writeText(stage / "b.txt", "new");
+  test::writeText(stage / "summary.json", recordOf(stage, {"a.txt", "b.txt"}));
+  test::writeText(
+      stage / "kirireel.txt",
+      "Kirireel works here. It moves whole files out of this folder and removes all others.\n");
   fs::rename(stage / "a.txt", folder_ / "a.txt");
   { const output::FileSet files(folder_.path(), output::kSummary); }
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
@@ -159,11 +155,11 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
 
 TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   leaveRun({{"a.obj", "run"}});
-  write(folder_.path() / "sub", "a file of others where a folder is wanted");
+  test::writeText(folder_.path() / "sub", "a file of others where a folder is wanted");
   {
     output::FileSet files(folder_.path(), output::kContents);
-    write(files.stage() / "b.obj", "export");
-    write(files.stage() / "sub" / "c.obj", "export");
+    test::writeText(files.stage() / "b.obj", "export");
+    test::writeText(files.stage() / "sub" / "c.obj", "export");
     EXPECT_THROW(files.commit(std::vector<std::string>{"b.obj", "sub/c.obj"}), OutputError);
   }
   EXPECT_TRUE(fs::exists(folder_.path() / "b.obj"));
@@ -172,7 +168,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   {
     output::FileSet files(folder_.path(), output::kContents);
     EXPECT_TRUE(fs::exists(folder_.path() / "sub" / "c.obj"));
-    write(files.stage() / "b.obj", "again");
+    test::writeText(files.stage() / "b.obj", "again");
     files.commit(std::vector<std::string>{"b.obj"});
   }
   EXPECT_EQ(test::bytesOf(folder_.path() / "b.obj"), "again");
@@ -180,7 +176,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
 }
 
 TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
-  write(folder_ / ".unfinished/notes.txt", "theirs");
+  test::writeText(folder_ / ".unfinished/notes.txt", "theirs");
   EXPECT_THAT(
       [this] { const output::FileSet files(folder_.path(), output::kSummary); },
       ThrowsMessage<InputError>(testing::HasSubstr(
@@ -192,8 +188,8 @@ TEST_F(FileSetTest, AddsToWhatARunLeft) {
   leaveRun({{"a.txt", "run"}});
   for (const char* text : {"first", "second"}) {
     output::FileSet files(folder_.path(), output::kContents);
-    write(files.stage() / "a.txt", text);
-    write(files.stage() / (text + std::string(".obj")), text);
+    test::writeText(files.stage() / "a.txt", text);
+    test::writeText(files.stage() / (text + std::string(".obj")), text);
     files.commit(std::vector<std::string>{"a.txt", text + std::string(".obj")});
   }
   EXPECT_EQ(test::bytesOf(folder_ / "a.txt"), "second");
@@ -204,7 +200,7 @@ TEST_F(FileSetTest, AddsToWhatARunLeft) {
 }
 
 TEST_F(FileSetTest, SaysWhyAFolderCannotBeMade) {
-  write(folder_ / "file", "");
+  test::writeText(folder_ / "file", "");
   for (const fs::path& place : {folder_ / "file", folder_ / "file" / "in"}) {
     EXPECT_THAT([&] { const output::FileSet files(place, output::kSummary); },
                 ThrowsMessage<OutputError>(StrEq(

@@ -8,22 +8,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
-
 /// A folder with one file that a run left, and its record.
 class RecordedFilesTest : public testing::Test {
  protected:
   RecordedFilesTest() {
     fs::create_directory(folder_ / "frames");
-    write(folder_ / "final.obj", "ours");
-    write(folder_ / "frames/frame_00000.png", "ours too");
+    test::writeText(folder_ / "final.obj", "ours");
+    test::writeText(folder_ / "frames/frame_00000.png", "ours too");
     output::FileList files;
     for (const char* name : {"final.obj", "frames/frame_00000.png"}) {
       files[name] = output::digestOf(folder_.path(), name);
     }
-    write(folder_ / "summary.json", output::contentsText(files));
+    test::writeText(folder_ / "summary.json", output::contentsText(files));
   }
 
   bool isForeign(const std::string& name) const {
@@ -43,9 +39,9 @@ TEST_F(RecordedFilesTest, KnowsWhatTheRecordLists) {
 }
 
 TEST_F(RecordedFilesTest, TakeNothingElseForOurs) {
-  write(folder_ / "final.ply", "theirs");
+  test::writeText(folder_ / "final.ply", "theirs");
   EXPECT_TRUE(isForeign("final.ply"));
-  write(folder_ / "final.obj", "OURS");  // as many bytes
+  test::writeText(folder_ / "final.obj", "OURS");  // as many bytes
   EXPECT_TRUE(isForeign("final.obj"));
   fs::remove(folder_ / "final.obj");
   fs::create_directory(folder_ / "final.obj");
@@ -53,7 +49,7 @@ TEST_F(RecordedFilesTest, TakeNothingElseForOurs) {
 }
 
 TEST_F(RecordedFilesTest, KnowNothingWithoutASealedRecord) {
-  write(folder_ / "summary.json", test::bytesOf(folder_ / "summary.json") + " ");
+  test::writeText(folder_ / "summary.json", test::bytesOf(folder_ / "summary.json") + " ");
   EXPECT_TRUE(isForeign("final.obj"));
   EXPECT_TRUE(isForeign("summary.json"));
   fs::remove(folder_ / "summary.json");
@@ -73,10 +69,10 @@ TEST_F(RecordedFilesTest, AreNotSoughtThroughLinksToFolders) {
 }
 
 TEST_F(RecordedFilesTest, CountAsTheNewestRecordHasThem) {
-  write(folder_ / "final.obj", "exported again");
+  test::writeText(folder_ / "final.obj", "exported again");
   output::FileList files;
   files["final.obj"] = output::digestOf(folder_.path(), "final.obj");
-  write(folder_ / "contents.json", output::contentsText(files));
+  test::writeText(folder_ / "contents.json", output::contentsText(files));
   EXPECT_FALSE(isForeign("final.obj"));
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("contents.json"));

@@ -5,13 +5,15 @@
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "tests/render/picture/colours.h"
 #include "tests/support/pair_forces.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
 
 /// The page of pictures without a look.
-constexpr picture::Colour kWhite = {255, 255, 255};
+using test::kWhite;
 
 std::vector<model::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
   return model::makeBricks(tiles, {});
@@ -219,12 +221,7 @@ TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
 
 /// What a look is refused with.
 std::string refusalOf(const picture::Look& look, const picture::PictureContent& content) {
-  try {
-    const picture::BrickPalette palette(look, content);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusalOf([&] { const picture::BrickPalette palette(look, content); });
 }
 
 TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {

@@ -10,6 +10,7 @@
 
 #include "render/picture/gl_context.h"
 #include "sim/base/error.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -25,22 +26,14 @@ out vec4 colour;
 void main() { colour = vec4(1.0); }
 )";
 
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const OutputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
   // In a process of its own, because the driver remembers the first answer.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto makeContext = [] {
     // The driver then offers less than the version that is asked for.
     ::setenv("MESA_GL_VERSION_OVERRIDE", "2.1", 1);
-    std::fputs(messageOf([] { const picture::Context context; }).c_str(), stderr);
+    std::fputs(test::refusalOf<OutputError>([] { const picture::Context context; }).c_str(),
+               stderr);
     std::exit(0);
   };
   EXPECT_EXIT(
@@ -81,7 +74,7 @@ TEST(Context, LeavesTheUsersNumberOfThreads) {
 TEST(Program, ReportsTheCompilersWordsInOneLine) {
   const picture::Context context;
   EXPECT_NO_THROW(picture::Program(kVertexShader, kFragmentShader));
-  const std::string message = messageOf([] {
+  const std::string message = test::refusalOf<OutputError>([] {
     const picture::Program program(kVertexShader,
                                    "#version 330 core\nvoid main() { colour = 1.0; }\n");
   });
@@ -93,7 +86,7 @@ TEST(Program, ReportsTheCompilersWordsInOneLine) {
 
 TEST(Program, ReportsShadersThatDoNotFitTogether) {
   const picture::Context context;
-  const std::string message = messageOf([] {
+  const std::string message = test::refusalOf<OutputError>([] {
     const picture::Program program(
         "#version 330 core\nout vec2 shade;\nvoid main() { shade = vec2(0.0); gl_Position = "
         "vec4(0.0); }\n",
@@ -104,7 +97,8 @@ TEST(Program, ReportsShadersThatDoNotFitTogether) {
 
 TEST(Framebuffer, RefusesMoreThanTheDriverHas) {
   const picture::Context context;
-  const std::string message = messageOf([] { const picture::Framebuffer buffer(20000, 10); });
+  const std::string message =
+      test::refusalOf<OutputError>([] { const picture::Framebuffer buffer(20000, 10); });
   EXPECT_THAT(message, StartsWith("error: the OpenGL driver cannot draw 20000 x 10 samples"));
   EXPECT_THAT(message, EndsWith("choose a smaller picture with --size"));
 }

@@ -9,6 +9,7 @@
 
 #include "render/picture/label.h"
 #include "sim/base/error.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -26,15 +27,6 @@ std::vector<picture::GridPicture> colouredPictures(int count, picture::FrameSize
         {picture::makeFrame(size, {static_cast<std::uint8_t>(10 * k), 100, 200}), "t"});
   }
   return pictures;
-}
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(GridLayout, HasGapsAndCaptionsInProportion) {
@@ -55,7 +47,7 @@ TEST(GridLayout, KeepsCaptionsLegibleUnderTinyPictures) {
 }
 
 TEST(GridLayout, RefusesEmptyAndHugeShapes) {
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               picture::layOutGrid({10, 10}, {0, 3});
             }),
             "error: a grid cannot have 0 x 3 cells; give at least one row and one column, for "
@@ -64,7 +56,7 @@ TEST(GridLayout, RefusesEmptyAndHugeShapes) {
   style.gap = 0;
   style.captionSize = 0;
   EXPECT_EQ(
-      messageOf([&] {
+      test::refusalOf([&] {
         picture::layOutGrid({1280, 720}, {2, 1000000}, style);
       }),
       "error: a grid of 2 x 1000000 pictures of 1280 x 720 pixels needs 1280000000 x 1468 pixels, "
@@ -112,17 +104,17 @@ TEST(Grid, CentresCaptionsInTheStripUnderThePicture) {
 }
 
 TEST(Grid, RefusesPicturesThatDoNotFit) {
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               picture::composeGrid({}, {1, 1});
             }),
             "error: a grid needs at least one picture");
-  EXPECT_EQ(messageOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               picture::composeGrid(colouredPictures(5, {9, 9}), {2, 2});
             }),
             "error: a grid of 2 x 2 has room for 4 pictures, not 5; change --grid");
   std::vector<picture::GridPicture> mixed = colouredPictures(2, {9, 9});
   mixed[1].frame = picture::makeFrame({9, 8}, {});
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               picture::composeGrid(mixed, {2, 2});
             }),
             "error: pictures of one grid must have the same size, not 9 x 8 and 9 x 9 pixels");

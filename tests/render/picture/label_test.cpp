@@ -8,13 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "tests/render/picture/colours.h"
 #include "tests/support/program.h"
 
 namespace kirireel {
 namespace {
 
-constexpr picture::Colour kWhite{255, 255, 255};
-constexpr picture::Colour kBlack{0, 0, 0};
+using test::kBlack;
+using test::kWhite;
 
 /// The box of all pixels that are not white.
 Eigen::AlignedBox2i inkBox(const picture::Frame& frame) {

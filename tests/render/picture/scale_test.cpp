@@ -5,12 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/label.h"
+#include "tests/render/picture/colours.h"
 
 namespace kirireel {
 namespace {
 
-constexpr picture::Colour kWhite = {255, 255, 255};
-constexpr picture::Colour kBlack = {0, 0, 0};
+using test::kBlack;
+using test::kWhite;
 
 TEST(RoundLength, IsTheLongestOneTwoOrFive) {
   const auto text = [](double longest) { return picture::roundLength(longest).text; };

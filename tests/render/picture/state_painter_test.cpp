@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -16,15 +17,6 @@ namespace {
 picture::PictureContent tessellationContent(
     const std::optional<scene::Ground>& ground = std::nullopt) {
   return picture::makeContent(model::makeTessellation({}), {}, ground);
-}
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
@@ -115,7 +107,7 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
       look,
       picture::makeContent({"", {model::makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
       {300, 300});
-  EXPECT_EQ(errorOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               setup.camera({0.25, setup.content().start, {}});
             }),
             "error: at 0.25 s the camera is within brick 0; move it away with --distance, or "
@@ -127,7 +119,7 @@ TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
   look.targetLines = true;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
-  EXPECT_EQ(errorOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               picture::PictureSetup(look, content, {300, 300});
             }),
             "error: the model has no target to draw; remove --target-lines or add target.txt");
@@ -138,12 +130,12 @@ TEST(PictureSetup, RefusesAGhostOfATargetThatIsNotThere) {
   look.ghost = picture::Ghost::Target;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
-  EXPECT_EQ(errorOf([&] {
+  EXPECT_EQ(test::refusalOf([&] {
               picture::PictureSetup(look, content, {300, 300});
             }),
             "error: the model has no target to draw; remove --ghost target or add target.txt");
   look.ghost = picture::Ghost::Start;
-  EXPECT_EQ(errorOf([&] { picture::PictureSetup(look, content, {300, 300}); }), "no error");
+  EXPECT_EQ(test::refusalOf([&] { picture::PictureSetup(look, content, {300, 300}); }), "accepted");
 }
 
 /// Pixel coordinates of points, from the camera's matrix.
@@ -284,7 +276,7 @@ TEST(PictureSetup, DepthCueKeepsAFlatSheetSeenFromAbove) {
 }
 
 TEST(StatePainter, RefusesAnEmptyPictureBeforeItDividesByIt) {
-  EXPECT_EQ(errorOf([] {
+  EXPECT_EQ(test::refusalOf([] {
               picture::StatePainter({100, 0}, {}, tessellationContent());
             }),
             "error: a picture of 100 x 0 pixels cannot be drawn; width and height may be 1 to "

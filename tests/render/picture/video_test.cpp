@@ -15,6 +15,7 @@
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -25,7 +26,7 @@ using test::outputOf;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
-constexpr picture::FrameSize kSize{320, 180};
+constexpr picture::FrameSize kVideoSize{320, 180};
 
 picture::VideoSettings settingsOf(picture::FrameSize size) {
   picture::VideoSettings settings;
@@ -40,7 +41,7 @@ void fill(picture::Frame& frame, int left, int top, int width, int height, pictu
 }
 
 /// A disk with an antialiased rim, which moves with time over white: like a picture of bricks.
-picture::Frame diskFrame(int index, picture::FrameSize size = kSize) {
+picture::Frame diskFrame(int index, picture::FrameSize size = kVideoSize) {
   picture::Frame frame = picture::makeFrame(size, {255, 255, 255, 255});
   const double radius = 0.28 * size.height;
   const double centreX = (0.2 + 0.015 * index) * size.width;
@@ -58,7 +59,7 @@ picture::Frame diskFrame(int index, picture::FrameSize size = kSize) {
 }
 
 void writeDiskVideo(const std::filesystem::path& path, int frames) {
-  picture::VideoWriter writer(path, settingsOf(kSize));
+  picture::VideoWriter writer(path, settingsOf(kVideoSize));
   for (int k = 0; k < frames; ++k) writer.write(diskFrame(k));
   writer.finish();
 }
@@ -119,17 +120,6 @@ void expectColour(const DecodedFrame& decoded, int x, int y, picture::Colour wan
   EXPECT_NEAR(colour[2], wanted.blue, tolerance);
 }
 
-/// What a call throws, as its message.
-template <typename Error, typename Call>
-std::string messageOf(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
-
 TEST(Video, IsWhatFfprobeSaysItIs) {
   if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
   const TemporaryFolder folder;
@@ -158,9 +148,9 @@ constexpr std::array<picture::Colour, 8> kStripes = {{{255, 255, 255, 255},
 
 /// A video of three frames of upright stripes, 40 pixels wide.
 void writeStripes(const std::filesystem::path& path) {
-  picture::Frame frame = picture::makeFrame(kSize, {255, 255, 255, 255});
+  picture::Frame frame = picture::makeFrame(kVideoSize, {255, 255, 255, 255});
   for (int k = 0; k < 8; ++k) fill(frame, 40 * k, 0, 40, 180, kStripes[k]);
-  picture::VideoWriter writer(path, settingsOf(kSize));
+  picture::VideoWriter writer(path, settingsOf(kVideoSize));
   for (int k = 0; k < 3; ++k) writer.write(frame);
   writer.finish();
 }
@@ -170,7 +160,7 @@ TEST(Video, KeepsFlatColours) {
   for (const char* name : {"flat.mp4", "flat.webm"}) {
     const TemporaryFolder folder;
     writeStripes(folder / name);
-    const DecodedFrame decoded(folder / name, 2, kSize);
+    const DecodedFrame decoded(folder / name, 2, kVideoSize);
     ASSERT_TRUE(decoded.isWhole());
     for (int k = 0; k < 8; ++k) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(k));
@@ -221,7 +211,7 @@ TEST(Video, MatchesItsLastFrame) {
   if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
   const TemporaryFolder folder;
   writeDiskVideo(folder / "disk.mp4", 25);
-  const DecodedFrame decoded(folder / "disk.mp4", 24, kSize);
+  const DecodedFrame decoded(folder / "disk.mp4", 24, kVideoSize);
   ASSERT_TRUE(decoded.isWhole());
   EXPECT_GT(psnr(decoded, diskFrame(24)), 35);  // measured: 41
   EXPECT_LT(psnr(decoded, diskFrame(20)), 25);
@@ -229,13 +219,13 @@ TEST(Video, MatchesItsLastFrame) {
 
 TEST(Video, ShowsWhiteThroughTransparency) {
   if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
-  picture::Frame frame = picture::makeFrame(kSize, {0, 0, 0, 0});
+  picture::Frame frame = picture::makeFrame(kVideoSize, {0, 0, 0, 0});
   fill(frame, 0, 0, 160, 180, {200, 40, 80, 128});
   const TemporaryFolder folder;
-  picture::VideoWriter writer(folder / "glass.mp4", settingsOf(kSize));
+  picture::VideoWriter writer(folder / "glass.mp4", settingsOf(kVideoSize));
   writer.write(frame);
   writer.finish();
-  const DecodedFrame decoded(folder / "glass.mp4", 0, kSize);
+  const DecodedFrame decoded(folder / "glass.mp4", 0, kVideoSize);
   ASSERT_TRUE(decoded.isWhole());
   expectColour(decoded, 80, 90, {227, 147, 167, 255}, 2);
   expectColour(decoded, 240, 90, {255, 255, 255, 255}, 2);
@@ -244,12 +234,12 @@ TEST(Video, ShowsWhiteThroughTransparency) {
 /// Second method: ffmpeg's decoders. VP9's alpha needs the one of libvpx.
 TEST(Video, KeepsAlphaInFormatsThatHaveIt) {
   if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
-  picture::Frame frame = picture::makeFrame(kSize, {255, 255, 255, 0});
+  picture::Frame frame = picture::makeFrame(kVideoSize, {255, 255, 255, 0});
   fill(frame, 0, 0, 160, 180, {200, 40, 80, 255});
   const TemporaryFolder folder;
   for (const picture::VideoFormat& format : picture::videoFormats()) {
     const std::filesystem::path file = folder / (std::string("glass") + format.ending);
-    picture::VideoSettings settings = settingsOf(kSize);
+    picture::VideoSettings settings = settingsOf(kVideoSize);
     settings.transparent = true;
     if (format.alphaConversion == nullptr) {
       std::string message;
@@ -271,10 +261,11 @@ TEST(Video, KeepsAlphaInFormatsThatHaveIt) {
     outputOf("ffmpeg -v error -y " + decoder + "-i '" + file.string() +
              "' -vf select='eq(n\\,1)' -frames:v 1 -pix_fmt rgba -f rawvideo '" + raw + "'");
     const std::string pixels = bytesOf(raw);
-    ASSERT_EQ(pixels.size(), std::size_t{4} * kSize.width * kSize.height) << format.ending;
+    ASSERT_EQ(pixels.size(), std::size_t{4} * kVideoSize.width * kVideoSize.height)
+        << format.ending;
     const auto at = [&](int x, int channel) {
-      return static_cast<int>(
-          static_cast<unsigned char>(pixels[4 * (std::size_t{90} * kSize.width + x) + channel]));
+      return static_cast<int>(static_cast<unsigned char>(
+          pixels[4 * (std::size_t{90} * kVideoSize.width + x) + channel]));
     };
     EXPECT_EQ(at(240, 3), 0) << format.ending;
     EXPECT_EQ(at(80, 3), 255) << format.ending;
@@ -323,7 +314,7 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
     const TemporaryFolder folder;
     const pid_t child = ::fork();
     if (child == 0) {
-      picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+      picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kVideoSize));
       for (int k = 0; k < count; ++k) writer.write(diskFrame(k % 30));
       ::kill(::getpid(), SIGKILL);
     }
@@ -354,7 +345,7 @@ TEST(Video, HasTheSameBytesWhateverIsInMemory) {
 TEST(Video, LeavesNothingWhenAbandoned) {
   const TemporaryFolder folder;
   {
-    picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+    picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kVideoSize));
     writer.write(diskFrame(0));
     EXPECT_FALSE(std::filesystem::exists(folder / "disk.mp4"));
   }
@@ -363,9 +354,10 @@ TEST(Video, LeavesNothingWhenAbandoned) {
 
 TEST(Video, RefusesSettingsOutOfRange) {
   const auto refusal = [](auto change) {
-    picture::VideoSettings settings = settingsOf(kSize);
+    picture::VideoSettings settings = settingsOf(kVideoSize);
     change(settings);
-    return messageOf<InputError>([&] { picture::requireValidSettings("disk.mp4", settings); });
+    return test::refusalOf<InputError>(
+        [&] { picture::requireValidSettings("disk.mp4", settings); });
   };
   EXPECT_EQ(
       refusal([](picture::VideoSettings& s) {
@@ -390,26 +382,26 @@ TEST(Video, RefusesSettingsOutOfRange) {
 
 TEST(Video, RefusesWhatItsFormatDoesNotHave) {
   const auto refusal = [](const char* file, const picture::VideoSettings& settings) {
-    return messageOf<InputError>([&] { picture::requireValidSettings(file, settings); });
+    return test::refusalOf<InputError>([&] { picture::requireValidSettings(file, settings); });
   };
-  EXPECT_EQ(refusal("disk.avi", settingsOf(kSize)),
+  EXPECT_EQ(refusal("disk.avi", settingsOf(kVideoSize)),
             "disk.avi: error: the ending of this name is not a video format; use .mp4, .webm, "
             ".gif, .apng, .mkv, .mov");
   picture::VideoSettings settings = settingsOf({641, 480});
-  EXPECT_EQ(refusal("disk.gif", settings), "nothing was thrown");
+  EXPECT_EQ(refusal("disk.gif", settings), "accepted");
   EXPECT_THAT(refusal("disk.webm", settings), HasSubstr("an odd side; VP9 needs even ones"));
-  settings = settingsOf(kSize);
+  settings = settingsOf(kVideoSize);
   settings.crf = 63;
-  EXPECT_EQ(refusal("disk.webm", settings), "nothing was thrown");
+  EXPECT_EQ(refusal("disk.webm", settings), "accepted");
   EXPECT_EQ(refusal("disk.gif", settings), "error: GIF has no crf; remove --crf");
 }
 
 TEST(Video, SaysWhichEncoderIsMissing) {
   const TemporaryFolder folder;
-  picture::VideoSettings settings = settingsOf(kSize);
+  picture::VideoSettings settings = settingsOf(kVideoSize);
   settings.encoder = "libx999";
   const std::filesystem::path path = folder / "disk.mp4";
-  EXPECT_EQ(messageOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
+  EXPECT_EQ(test::refusalOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
             path.string() +
                 ": error: libavcodec has no encoder libx999 here, so no video can be made; "
                 "install Debian's libavcodec-extra, or choose another with --encoder or another "
@@ -421,7 +413,7 @@ TEST(Video, SaysThatTheEncoderRefusesTheSize) {
   const TemporaryFolder folder;
   const picture::VideoSettings settings = settingsOf({16384, 16384});
   const std::filesystem::path path = folder / "disk.mp4";
-  EXPECT_EQ(messageOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
+  EXPECT_EQ(test::refusalOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
             path.string() +
                 ": error: libx264 refuses a video of 16384 x 16384 pixels (Invalid argument); try "
                 "a smaller --size");
@@ -430,21 +422,21 @@ TEST(Video, SaysThatTheEncoderRefusesTheSize) {
 
 TEST(Video, RefusesAFrameOfAnotherSize) {
   const TemporaryFolder folder;
-  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kVideoSize));
   const picture::Frame frame = picture::makeFrame({64, 32}, {});
-  EXPECT_THAT(messageOf<OutputError>([&] { writer.write(frame); }),
+  EXPECT_THAT(test::refusalOf<OutputError>([&] { writer.write(frame); }),
               HasSubstr("disk.mp4: error: a frame of 64 x 32 pixels in a video of 320 x 180"));
 }
 
 TEST(Video, IsFinishedOnce) {
   const TemporaryFolder folder;
-  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
-  EXPECT_THAT(messageOf<OutputError>([&] { writer.finish(); }),
+  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kVideoSize));
+  EXPECT_THAT(test::refusalOf<OutputError>([&] { writer.finish(); }),
               HasSubstr("disk.mp4: error: a video needs at least one frame"));
   writer.write(diskFrame(0));
   writer.finish();
-  for (const auto& message : {messageOf<OutputError>([&] { writer.finish(); }),
-                              messageOf<OutputError>([&] { writer.write(diskFrame(1)); })}) {
+  for (const auto& message : {test::refusalOf<OutputError>([&] { writer.finish(); }),
+                              test::refusalOf<OutputError>([&] { writer.write(diskFrame(1)); })}) {
     EXPECT_THAT(message, HasSubstr("disk.mp4: error: the video is finished already"));
   }
   EXPECT_TRUE(std::filesystem::exists(folder / "disk.mp4"));
@@ -475,7 +467,7 @@ TEST(Video, SaysThatTheDiskIsFull) {
   std::string message;
   {
     const FileSizeLimit limit(2000);
-    message = messageOf<OutputError>([&] { writeDiskVideo(folder / "disk.mp4", 60); });
+    message = test::refusalOf<OutputError>([&] { writeDiskVideo(folder / "disk.mp4", 60); });
   }
   EXPECT_EQ(message, (folder / "disk.mp4").string() +
                          ": error: the video cannot be written (File too large); free some space "

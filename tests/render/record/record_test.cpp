@@ -20,6 +20,7 @@
 #include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/program.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -63,12 +64,7 @@ class RecordTest : public testing::Test {
   void TearDown() override { fs::remove_all(settings_.folder); }
 
   std::string messageOfRecording() {
-    try {
-      record::record(tessellationScene(), settings_, proceed_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return test::refusalOf([&] { record::record(tessellationScene(), settings_, proceed_); });
   }
 
   record::RecordSettings settings_;
@@ -313,7 +309,7 @@ TEST_F(RecordTest, GivesOnePictureWhereNothingMoves) {
 TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
   settings_.video = settings_.snapshots = settings_.meshes = false;
   const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
-  EXPECT_EQ(summary.graphics, "");
+  EXPECT_EQ(summary.graphics, "accepted");
   EXPECT_THAT(record::summaryJson(tessellationScene(), settings_, summary),
               HasSubstr("\"opengl\": null"));
   EXPECT_THAT(summary.files,
@@ -455,10 +451,10 @@ TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {
   settings_.size = {97, 64};
   EXPECT_THAT(messageOfRecording(), HasSubstr("--size 98x64"));
   settings_.size = {0, 64};
-  EXPECT_NE(messageOfRecording(), "");
+  EXPECT_NE(messageOfRecording(), "accepted");
   settings_.size = {8000, 8000};
   settings_.grid = {10, 10};
-  EXPECT_NE(messageOfRecording(), "");
+  EXPECT_NE(messageOfRecording(), "accepted");
 }
 
 TEST_F(RecordTest, CameraShowsEveryFrameWhole) {

@@ -10,11 +10,12 @@
 #include "sim/base/error.h"
 #include "sim/generate/families.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 using CornerPair = std::pair<std::pair<int, int>, std::pair<int, int>>;
 
 Vector3 meanCorner(const std::vector<model::Tile>& tiles) {

@@ -9,6 +9,7 @@
 #include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -170,12 +171,7 @@ TEST(CutPattern, ClosesOpenGapsWithALine) {
 }
 
 std::string refusal(const model::Model& model, double width) {
-  try {
-    writers::cutPattern(model, width);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf([&] { writers::cutPattern(model, width); });
 }
 
 TEST(CutPattern, SaysWhatHasNone) {

@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -27,15 +28,6 @@ class PendingFileTest : public testing::Test {
   static std::string read(const fs::path& file) {
     std::ifstream stream(file);
     return {std::istreambuf_iterator<char>(stream), {}};
-  }
-
-  static std::string messageOf(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const OutputError& error) {
-      return error.what();
-    }
-    return "";
   }
 
   fs::path folder_;
@@ -67,7 +59,7 @@ TEST_F(PendingFileTest, KeepsTheOldFileWhenTheNewOneFails) {
 
 TEST_F(PendingFileTest, RefusesAFolderThatIsNotThere) {
   const fs::path missing = folder_ / "missing";
-  EXPECT_EQ(messageOf([&] { writeTextFile(missing / "a.txt", "text"); }),
+  EXPECT_EQ(test::refusalOf<OutputError>([&] { writeTextFile(missing / "a.txt", "text"); }),
             missing.string() +
                 ": error: cannot write in this folder (No such file or directory). Choose another "
                 "folder");
@@ -76,7 +68,8 @@ TEST_F(PendingFileTest, RefusesAFolderThatIsNotThere) {
 TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
-  const std::string message = messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); });
+  const std::string message =
+      test::refusalOf<OutputError>([&] { writeTextFile(folder_ / "a.txt", "text"); });
   fs::permissions(folder_, fs::perms::owner_all);
   EXPECT_EQ(message,
             folder_.string() +
@@ -86,7 +79,7 @@ TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
 TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {
   fs::create_directory(folder_ / "a.txt");
   std::ofstream(folder_ / "a.txt" / "inside") << "x";
-  EXPECT_EQ(messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); }),
+  EXPECT_EQ(test::refusalOf<OutputError>([&] { writeTextFile(folder_ / "a.txt", "text"); }),
             (folder_ / "a.txt").string() + ": error: cannot be put in place (Is a directory)");
 }
 
@@ -129,7 +122,7 @@ TEST_F(PendingFileTest, SaysWhenTheFileCannotGrow) {
     writeTextFile(folder_ / "a.txt", "text");
   };
   EXPECT_EQ(
-      messageOf(write),
+      test::refusalOf<OutputError>(write),
       (folder_ / "a.txt").string() +
           ": error: cannot be written (File too large); free some space or choose another folder");
   EXPECT_TRUE(fs::is_empty(folder_));

@@ -12,6 +12,7 @@
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -240,12 +241,7 @@ TEST(BendingTiles, AreInTheTrajectory) {
 }
 
 std::string messageFor(const scene::Scene& scene) {
-  try {
-    deploy::deploy(scene, 0.5, nullptr);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf([&] { deploy::deploy(scene, 0.5, nullptr); });
 }
 
 TEST(BendingTiles, SayWhatKeepsThemFromBending) {

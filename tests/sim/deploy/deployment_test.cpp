@@ -11,6 +11,7 @@
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 #include "sim/run/state_interpolator.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -327,12 +328,7 @@ TEST(Deploy, ClosesAnOpenStartAndTellsHowFarThatWent) {
 }
 
 std::string errorOf(const scene::Scene& scene, double interval) {
-  try {
-    deploy::deploy(scene, interval, nullptr);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return test::refusalOf([&] { deploy::deploy(scene, interval, nullptr); });
 }
 
 TEST(Deploy, RefusesTimesThatMakeNoSense) {

@@ -6,11 +6,12 @@
 #include "sim/deploy/deployment.h"
 #include "sim/generate/shells.h"
 #include "sim/model/brick.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 /// Bricks that gravity alone moves, without damping.
 scene::Scene undriven(model::Model model, double duration) {

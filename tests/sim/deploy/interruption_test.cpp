@@ -5,11 +5,12 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/model/lattice.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
+using test::kStep;
 
 /// Ends what is prepared for it, at a look of this number.
 class EndAtLook {

@@ -11,6 +11,8 @@
 #include "sim/run/dynamics.h"
 #include "sim/scene/scene_needs.h"
 #include "tests/sim/run/moving.h"
+#include "tests/support/physics.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -18,8 +20,8 @@ namespace {
 using test::Moving;
 using ::testing::EndsWith;
 
-constexpr double kGravity = 9.81;
-constexpr double kStep = 1.0 / 240;
+using test::kGravity;
+using test::kStep;
 constexpr double kThickness = 0.1;
 
 /// An upright rectangle about a point of its bottom.
@@ -235,12 +237,7 @@ TEST(Obstacles, AreNamedWhereTheyStopADeployment) {
 }
 
 std::string refusal(const scene::Scene& scene) {
-  try {
-    deploy::deploy(scene, 0.1, nullptr);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf([&] { deploy::deploy(scene, 0.1, nullptr); });
 }
 
 TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {

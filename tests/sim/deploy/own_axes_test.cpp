@@ -11,6 +11,7 @@
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -41,7 +42,7 @@ scene::Scene turned(scene::Scene scene) {
   return scene;
 }
 
-scene::Scene sheet() {
+scene::Scene halfOpenSheet() {
   scene::Scene scene;
   model::TessellationShape shape;
   shape.columns = shape.rows = 2;
@@ -54,7 +55,7 @@ scene::Scene sheet() {
 
 /// The same with necks that give.
 scene::Scene withLigaments() {
-  scene::Scene scene = sheet();
+  scene::Scene scene = halfOpenSheet();
   scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;
   scene.environment.contacts = scene::ContactFilter::None;
@@ -80,7 +81,7 @@ double farthest(const run::DeploymentResult& level, const run::DeploymentResult&
 }
 
 TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
-  scene::Scene scene = sheet();
+  scene::Scene scene = halfOpenSheet();
   model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 80 * kDegree;
@@ -169,12 +170,7 @@ TEST(OwnAxes, GripsActInAnyPlane) {
 }
 
 std::string refusalOf(const scene::Scene& scene) {
-  try {
-    deploy::deploy(scene, 0.5, nullptr);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusalOf([&] { deploy::deploy(scene, 0.5, nullptr); });
 }
 
 TEST(OwnAxes, RefuseGripsThatLeaveThePlane) {
@@ -188,7 +184,7 @@ TEST(OwnAxes, RefuseGripsThatLeaveThePlane) {
 }
 
 TEST(OwnAxes, PlanarMotionNeedsAHorizontalSheetOnlyForTheGround) {
-  scene::Scene scene = turned(sheet());
+  scene::Scene scene = turned(halfOpenSheet());
   scene.solver.planar = true;
   EXPECT_TRUE(deploy::deploy(scene, 0.5, nullptr).needs.planar.on);
   scene.environment.ground = scene::Ground{-10};

@@ -47,7 +47,7 @@ void expectSameAtScale(const scene::Scene& scene, double factor, double toleranc
   EXPECT_LE(difference(run, other, factor), tolerance) << factor;
 }
 
-scene::Scene sheet() {
+scene::Scene tessellation() {
   scene::Scene scene;
   scene.model = model::makeTessellation({});
   return scene;
@@ -62,14 +62,14 @@ scene::Scene cap() {
 
 TEST(Scale, PowersOfTwoChangeExponentsAlone) {
   for (const double factor : {std::ldexp(1, -10), std::ldexp(1, 10)}) {
-    expectSameAtScale(sheet(), factor, 0);
+    expectSameAtScale(tessellation(), factor, 0);
     expectSameAtScale(cap(), factor, 0);
   }
 }
 
 TEST(Scale, MillimetresTakeTheSamePath) {
   // Rounding grows where a closed start opens: measured 1.1e-8 and 5.3e-8.
-  expectSameAtScale(sheet(), 1e-3, 1e-6);
+  expectSameAtScale(tessellation(), 1e-3, 1e-6);
   expectSameAtScale(cap(), 1e-3, 1e-6);
 }
 
@@ -81,7 +81,7 @@ scene::Scene amongBricks(scene::Scene scene) {
 
 TEST(Scale, PowersOfTwoChangeExponentsAloneAmongBricks) {
   for (const double factor : {std::ldexp(1, -10), std::ldexp(1, 10)}) {
-    expectSameAtScale(amongBricks(sheet()), factor, 0);
+    expectSameAtScale(amongBricks(tessellation()), factor, 0);
     expectSameAtScale(amongBricks(cap()), factor, 0);
   }
 }
@@ -97,7 +97,7 @@ scene::Scene byDynamics(scene::Scene scene) {
 }
 
 TEST(Scale, StepsToAToleranceMoveAlike) {
-  for (const scene::Scene& scene : {byDynamics(sheet()), byDynamics(cap())}) {
+  for (const scene::Scene& scene : {byDynamics(tessellation()), byDynamics(cap())}) {
     expectSameAtScale(scene, std::ldexp(1, -10), 0);
     expectSameAtScale(scene, std::ldexp(1, 10), 0);
     scene::Scene through = scene;
@@ -122,12 +122,12 @@ void expectSameMotion(const scene::Scene& scene, const scene::Scene& other, doub
 }
 
 TEST(Scale, HeavierBricksMoveAlikeByDefault) {
-  for (const scene::Scene& scene : {sheet(), cap(), amongBricks(cap())}) {
+  for (const scene::Scene& scene : {tessellation(), cap(), amongBricks(cap())}) {
     // Square roots of masses change exponents alone where these change by a power of four.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 4000), 0);
     expectSameAtScale(weighing(scene, 1000), 0.25, 0);
   }
-  for (const scene::Scene& scene : {sheet(), cap()}) {
+  for (const scene::Scene& scene : {tessellation(), cap()}) {
     // Measured 4.3e-9 and 2.6e-8.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 8000), 1e-6);
     expectSameAtScale(weighing(scene, 1000), 0.5, 1e-6);
@@ -135,9 +135,9 @@ TEST(Scale, HeavierBricksMoveAlikeByDefault) {
 }
 
 TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
-  scene::Scene thick = weighing(sheet(), 300);
+  scene::Scene thick = weighing(tessellation(), 300);
   thick.brick.thickness *= 3;
-  run::DeploymentResult run = deploy::deploy(weighing(sheet(), 1000), 1.0 / 60, nullptr);
+  run::DeploymentResult run = deploy::deploy(weighing(tessellation(), 1000), 1.0 / 60, nullptr);
   run::DeploymentResult other = deploy::deploy(thick, 1.0 / 60, nullptr);
   ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
   // Centres of mass are at half the thickness.
@@ -150,7 +150,7 @@ TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
 }
 
 TEST(Scale, SpringsInNewtonsMoveHeavierBricksLess) {
-  scene::Scene scene = weighing(sheet(), 1000);
+  scene::Scene scene = weighing(tessellation(), 1000);
   scene.springs = scene::paperSprings();
   scene.stop.duration = 0.5;
   const double error = deploy::deploy(scene, 0.5, nullptr).accuracy.targetErrorEnd;

@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "tests/sim/generate/sheet_checks.h"
 #include "tests/sim/model/polygons.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -171,12 +172,7 @@ TEST(Families, HaveThePublishedCounts) {
 }
 
 std::string messageFor(const Request& request) {
-  try {
-    made(request);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusalOf([&] { made(request); });
 }
 
 TEST(Families, SayWhatIsWrongWithARequest) {

@@ -8,7 +8,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 double area(const std::vector<model::Tile>& tiles) {
   double sum = 0;
@@ -47,20 +47,20 @@ TEST(LatticeDesigns, ClosedSheetsHaveNoVoids) {
     EXPECT_NEAR(outlineArea(field, generate::closedBoundary(field.lattice()), 0), tiles,
                 1e-12 * tiles);
     // At pi the tips go round the outline, those that close half slits twice.
-    EXPECT_NEAR(area(field.tiles(kPi)), tiles, 1e-12 * tiles);
+    EXPECT_NEAR(area(field.tiles(pi)), tiles, 1e-12 * tiles);
   }
 }
 
 TEST(LatticeDesigns, SquareBecomesADisk) {
   const model::TurningField field = generate::squareToDiskField(5);
-  const auto [least, most] = tipDistances(field, kPi);
+  const auto [least, most] = tipDistances(field, pi);
   EXPECT_NEAR(least, most, 1e-12);  // measured 9e-16
   EXPECT_NEAR(most, 2.8998, 1e-4);  // an independent solution of the same equations
   EXPECT_NEAR(area(field.tiles(0)), 25, 1e-12);
 }
 
 TEST(LatticeDesigns, SquaresTipsStandOnACircle) {
-  const auto [least, most] = tipDistances(generate::squareToCircleField(6), kPi / 2);
+  const auto [least, most] = tipDistances(generate::squareToCircleField(6), pi / 2);
   EXPECT_NEAR(least, most, 1e-12);  // measured 3e-15
   EXPECT_NEAR(most, 4.89, 0.05);    // 4.8915 by an independent solution with other soft weights
 }
@@ -68,7 +68,7 @@ TEST(LatticeDesigns, SquaresTipsStandOnACircle) {
 TEST(LatticeDesigns, OpenAsOneMechanism) {
   // v(theta) = cos(theta / 2) v(0) + sin(theta / 2) v(pi), corner by corner.
   const model::TurningField field = generate::heartField({4, 4});
-  const std::vector<model::Tile> start = field.tiles(0), end = field.tiles(kPi),
+  const std::vector<model::Tile> start = field.tiles(0), end = field.tiles(pi),
                                  between = field.tiles(1);
   for (std::size_t tile = 0; tile < start.size(); ++tile) {
     for (std::size_t k = 0; k < 4; ++k) {

@@ -12,7 +12,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The angles of the tiles round a vertex in order, as whole multiples of a unit, the least of all
 /// ways to read them.
@@ -56,7 +56,7 @@ std::map<Figure, int> innerFigures(const generate::Tiling& tiling, double unit) 
       figure.push_back(static_cast<int>(std::lround(wedge.angle / unit)));
       sum += wedge.angle;
     }
-    if (sum > 2 * kPi - 1e-6) ++figures[leastReading(figure)];
+    if (sum > 2 * pi - 1e-6) ++figures[leastReading(figure)];
   }
   return figures;
 }
@@ -86,7 +86,7 @@ TEST(Tiling, StampfliHasThePublishedRings) {
 
 TEST(Tiling, PenroseHasItsSevenVertexFigures) {
   const generate::Tiling tiling = generate::penroseTiling(3000);
-  const std::map<Figure, int> figures = innerFigures(tiling, kPi / 5);
+  const std::map<Figure, int> figures = innerFigures(tiling, pi / 5);
   // De Bruijn 1981: D, J, K, Q, S3, S4, and S and S5, which differ by their arrows alone.
   EXPECT_EQ(figures.size(), 7U);
   EXPECT_EQ(sizes(figures), (std::set<std::size_t>{3, 4, 5, 6, 7}));
@@ -96,7 +96,7 @@ TEST(Tiling, PenroseHasItsSevenVertexFigures) {
 
 TEST(Tiling, AmmannBeenkerHasItsSixVertexFigures) {
   const generate::Tiling tiling = generate::ammannBeenkerTiling(3000);
-  const std::map<Figure, int> figures = innerFigures(tiling, kPi / 4);
+  const std::map<Figure, int> figures = innerFigures(tiling, pi / 4);
   EXPECT_EQ(figures.size(), 6U);  // one each of 3 to 8 tiles
   EXPECT_EQ(sizes(figures), (std::set<std::size_t>{3, 4, 5, 6, 7, 8}));
   // Rhombi over squares: the root of 2. Measured 0.586.
@@ -119,7 +119,7 @@ TEST(Tiling, CoversItsPatchOnce) {
         EXPECT_NEAR(std::abs(a - b), 1, 1e-12);  // measured 1e-14
       }
     }
-    EXPECT_NEAR(area / (kPi * reach * reach), 1, 0.12);  // measured 0.92 to 0.95
+    EXPECT_NEAR(area / (pi * reach * reach), 1, 0.12);  // measured 0.92 to 0.95
   }
 }
 

@@ -23,11 +23,6 @@ void addSprings(JoinedBricks& sheet, bool planar, double stiffness, double rest,
   }
 }
 
-double energyOf(const JoinedBricks& sheet) {
-  return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
-         model::elasticEnergy(sheet.springs, sheet.motion.poses);
-}
-
 /// Moves sprung bricks without other loads to a tolerance in time.
 class SprungMotion {
  public:
@@ -181,12 +176,12 @@ TEST(RotatingSquares, KeepTheirEnergyToTheTolerance) {
   for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
     JoinedBricks sheet(test::openSheet(4, 0.5));
     addSprings(sheet, true, 2, 1.0, 0);
-    const double energy = energyOf(sheet);
+    const double energy = test::energyOf(sheet);
     SprungMotion motion(sheet, true, tolerance);
     double worst = 0;
     for (int k = 0; k < 50; ++k) {
       motion.advance(0.1);
-      worst = std::max(worst, std::abs(energyOf(sheet) / energy - 1));
+      worst = std::max(worst, std::abs(test::energyOf(sheet) / energy - 1));
     }
     EXPECT_LT(worst, 100 * tolerance);  // measured 0.6 to 11 times
   }
@@ -209,12 +204,12 @@ Fate fateOf(bool planar, double stiffness, double step, double damping) {
     if (planar) velocity.linear.z() = 0;
   }
   const auto solver = sheet.solver(planar);
-  const double start = energyOf(sheet);
+  const double start = test::energyOf(sheet);
   double before = start;
   Fate fate;
   for (int k = 0; k < 120; ++k) {
     fate.unconverged += solver->advance(sheet.motion, step, test::noLoads, nullptr).unconverged;
-    const double after = energyOf(sheet);
+    const double after = test::energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
     fate.gap = std::max(fate.gap, trajectory::jointGap(sheet.pivots, sheet.motion.poses).max);
     before = after;

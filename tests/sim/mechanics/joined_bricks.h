@@ -10,6 +10,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/lattice.h"
 #include "sim/run/forces.h"
+#include "sim/trajectory/measures.h"
 #include "tests/support/pair_forces.h"
 
 namespace kirireel::test {
@@ -34,6 +35,13 @@ struct JoinedBricks {
   std::vector<model::HingeSpring> springs;  // at hinges
   std::vector<model::Ligament> ligaments;
 };
+
+/// Kinetic and elastic energy, J.
+inline double energyOf(const JoinedBricks& sheet) {
+  return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
+         model::elasticEnergy(sheet.springs, sheet.motion.poses) +
+         model::elasticEnergy(sheet.ligaments, sheet.motion.poses);
+}
 
 /// An opened sheet of unit squares, whose target is half open.
 inline model::Model openSheet(int side, double startAngle) {

@@ -37,7 +37,7 @@ Vector3 linearMomentum(const JoinedBricks& pair) {
   return sum;
 }
 
-Vector3 angularMomentum(const JoinedBricks& pair) {
+Vector3 spin(const JoinedBricks& pair) {
   Vector3 sum = Vector3::Zero();
   const Vector3 centre = massCentre(pair);
   for (std::size_t i = 0; i < pair.bricks.size(); ++i) {
@@ -70,10 +70,10 @@ TEST(JointSolver, AngularMomentumErrsInProportionToTheStep) {
   double lost[2];
   for (const int k : {0, 1}) {
     JoinedBricks pair = tumblingPair();
-    const Vector3 before = angularMomentum(pair);
+    const Vector3 before = spin(pair);
     const int steps = 240 << (2 * k);
     advance(pair, *pair.solver(false), 1.0 / steps, steps, test::noLoads);
-    lost[k] = (angularMomentum(pair) - before).norm() / before.norm();
+    lost[k] = (spin(pair) - before).norm() / before.norm();
   }
   EXPECT_LT(lost[0], 0.01);           // measured 1.6e-3
   EXPECT_LT(lost[1], 0.3 * lost[0]);  // a quarter of the step: measured 0.251

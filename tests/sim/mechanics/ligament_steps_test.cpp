@@ -45,12 +45,6 @@ JoinedBricks ligamentSheet(int side, double length, double stiffness, double ben
   return sheet;
 }
 
-double energyOf(const JoinedBricks& sheet) {
-  return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
-         model::elasticEnergy(sheet.springs, sheet.motion.poses) +
-         model::elasticEnergy(sheet.ligaments, sheet.motion.poses);
-}
-
 void throwAbout(JoinedBricks& sheet) {
   test::Numbers numbers(2);
   for (Velocity& velocity : sheet.motion.velocities) {
@@ -97,14 +91,14 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
 /// By how much the energy of a sheet without dampers or loads strays in 2 s, as a part of it.
 double strayOf(double length, double stiffness, double tolerance) {
   JoinedBricks sheet = ligamentSheet(4, length, stiffness, 2, 0);
-  const double energy = energyOf(sheet);
+  const double energy = test::energyOf(sheet);
   const auto solver = sheet.solver(true);
   mechanics::Extrapolation extrapolation(sheet.bricks, *solver,
                                          {.tolerance = tolerance, .keepsEnergy = true});
   double worst = 0;
   for (int k = 0; k < 20; ++k) {
     test::advance(sheet, extrapolation, 0.1);
-    worst = std::max(worst, std::abs(energyOf(sheet) / energy - 1));
+    worst = std::max(worst, std::abs(test::energyOf(sheet) / energy - 1));
   }
   return worst;
 }
@@ -141,7 +135,7 @@ TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
     };
     StepReport report;
     double most = 0, done = 0;
-    const double start = energyOf(sheet);
+    const double start = test::energyOf(sheet);
     const auto apart = [&] {
       return (sheet.motion.poses.back().position - sheet.motion.poses.front().position).x();
     };
@@ -150,9 +144,10 @@ TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
       const auto taken = extrapolation.step(sheet.motion, 1 - done, loads, {}, report);
       ASSERT_TRUE(taken.has_value());
       done += *taken;
-      most = std::max(most, energyOf(sheet));
+      most = std::max(most, test::energyOf(sheet));
     }
-    const double balance = energyOf(sheet) - start - pull * (apart() - before) + report.damped;
+    const double balance =
+        test::energyOf(sheet) - start - pull * (apart() - before) + report.damped;
     EXPECT_LT(std::abs(balance), 10 * tolerance * most) << tolerance;
   }
 }
@@ -169,12 +164,12 @@ LigamentFate fateOf(double length, int exact, double stiffness, double step, dou
       ligamentSheet(3, length, stiffness, std::min(stiffness, 1e6), damping, exact);
   throwAbout(sheet);
   const auto solver = sheet.solver(true);
-  const double start = energyOf(sheet);
+  const double start = test::energyOf(sheet);
   double before = start;
   LigamentFate fate;
   for (int k = 0; k < 120; ++k) {
     fate.unconverged += solver->advance(sheet.motion, step, test::noLoads, nullptr).unconverged;
-    const double after = energyOf(sheet);
+    const double after = test::energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
     if (!sheet.pivots.empty()) {
       fate.gap = std::max(fate.gap, trajectory::jointGap(sheet.pivots, sheet.motion.poses).max);

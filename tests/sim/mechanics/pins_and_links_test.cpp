@@ -3,13 +3,14 @@
 
 #include "sim/trajectory/measures.h"
 #include "tests/sim/mechanics/joined_bricks.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using test::JoinedBricks;
 
-constexpr double kStep = 1.0 / 240;
+using test::kStep;
 
 /// Two unit squares beside each other with the joints given.
 model::Model pairOfSquares(const std::vector<model::Joint>& joints) {

@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
 #include "sim/mechanics/joint_solver.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
+using test::kStep;
 
 class StandstillTest : public testing::Test {
  protected:

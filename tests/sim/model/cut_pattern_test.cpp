@@ -13,11 +13,12 @@
 
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel::model {
 namespace {
 
+using test::TemporaryFolder;
 using testing::HasSubstr;
 using Point = Eigen::Vector2d;
 using Line = std::pair<Point, Point>;

@@ -17,11 +17,12 @@
 #include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
 #include "sim/model/sheet_frame.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 namespace fs = std::filesystem;
 using nlohmann::json;
 

@@ -5,11 +5,12 @@
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 const fs::path kSharedModels = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models";
@@ -59,7 +60,7 @@ TEST(Folder, RoundTripOfLooseTile) {
   model.target.reset();
   const TemporaryFolder folder;
   model::writeModelFolder(model, folder.path());
-  EXPECT_EQ(readWhole(folder.path() / "constraints.txt"), "# no joints\n");
+  EXPECT_EQ(test::bytesOf(folder.path() / "constraints.txt"), "# no joints\n");
   expectSameModel(read(folder.path()), model);
 }
 
@@ -133,7 +134,7 @@ TEST(Folder, DamagedFilesReadOrAreRefused) {
   int refused = 0;
   for (int i = 0; i < 500; ++i) {
     for (const std::string& name : names) {
-      std::string text = readWhole(shipped / name);
+      std::string text = test::bytesOf(shipped / name);
       const std::string& piece = pieces[random() % std::size(pieces)];
       if (name == names[i % 3]) text.replace(random() % text.size(), random() % 5, piece);
       folder.write(name, text);

@@ -6,11 +6,12 @@
 
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel::model {
 namespace {
 
+using test::TemporaryFolder;
 using testing::HasSubstr;
 
 /// A strip of three tiles: a slit that stops 2 mm short of the border, one that stops 3 mm short.

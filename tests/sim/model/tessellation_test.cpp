@@ -6,21 +6,18 @@
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 namespace fs = std::filesystem;
 constexpr double kPi = std::numbers::pi;
 
 std::string messageFor(const model::TessellationShape& shape) {
-  try {
-    model::makeTessellation(shape);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusalOf([&] { model::makeTessellation(shape); });
 }
 
 TEST(Tessellation, StaysClosedAndRigidAtEveryAngle) {
@@ -124,7 +121,7 @@ TEST(Tessellation, ShippedModelsAreWhatTheGeneratorMakes) {
     for (const std::string file : {"vertices.txt", "constraints.txt", "target.txt"}) {
       const fs::path path = fs::path(KIRIREEL_SOURCE_DIR) / "data" / name / file;
       ASSERT_TRUE(fs::exists(path)) << path;
-      EXPECT_TRUE(readWhole(folder.path() / file) == readWhole(path)) << path;
+      EXPECT_TRUE(test::bytesOf(folder.path() / file) == test::bytesOf(path)) << path;
     }
   }
 }

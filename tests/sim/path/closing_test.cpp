@@ -14,6 +14,7 @@
 #include "sim/generate/families.h"
 #include "sim/model/lattice.h"
 #include "sim/scene/scene_parts.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -72,12 +73,7 @@ TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
 }
 
 std::string refusal(const scene::Scene& scene) {
-  try {
-    deploy::deploy(scene, 0.5, nullptr);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf([&] { deploy::deploy(scene, 0.5, nullptr); });
 }
 
 TEST(Closing, RefusesSheetsWithoutOneMotion) {

@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
 #include "sim/run/forces.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
+using test::kStep;
 
 /// Tells steps of one length from time 0 on.
 class Observer {

@@ -9,14 +9,15 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/trajectory/measures.h"
 #include "tests/sim/run/moving.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using test::Moving;
 
-constexpr double kGravity = 9.81;
-constexpr double kStep = 1.0 / 240;
+using test::kGravity;
+using test::kStep;
 
 /// A rectangle with a corner at `corner`, sides along the axes.
 model::Tile rectangle(const Vector3& corner, double length, double width) {

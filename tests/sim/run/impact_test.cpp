@@ -7,13 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/sim/run/moving.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using test::Moving;
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 constexpr double kCall = 1.0 / 60;
 const std::vector<double> kTolerances = {1e-3, 1e-4, 1e-5, 1e-6};
 

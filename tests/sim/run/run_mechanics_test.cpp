@@ -5,13 +5,14 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/model/lattice.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using namespace scene::timeline;
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 /// A sheet of squares that opens under its springs, by dynamics.
 scene::Scene openingSheet() {

@@ -8,6 +8,7 @@
 #include "sim/scene/conditions.h"
 #include "sim/scene/scene_file.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -28,12 +29,7 @@ class Grips : public testing::Test {
   }
 
   std::string refusal(const std::string& lines) {
-    try {
-      read("[[grip]]\n" + lines);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusalOf([&] { read("[[grip]]\n" + lines); });
   }
 
   test::TemporaryFolder folder_;

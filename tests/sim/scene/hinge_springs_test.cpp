@@ -11,6 +11,7 @@
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -42,12 +43,7 @@ class HingeSpringsOfAScene : public testing::Test {
   }
 
   std::string refusal(const std::string& lines = "") {
-    try {
-      springs(lines);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusalOf([&] { springs(lines); });
   }
 
   test::TemporaryFolder folder_;

@@ -6,6 +6,7 @@
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -23,12 +24,7 @@ class ScenePartsTest : public testing::Test {
   void complete() { scene::completeScene(parts_, scene_, warnings_); }
 
   std::string refusal() {
-    try {
-      complete();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusalOf([&] { complete(); });
   }
 
   test::TemporaryFolder folder_;

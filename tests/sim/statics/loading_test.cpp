@@ -14,6 +14,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -151,12 +152,7 @@ TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
 }
 
 std::string refusalOf(const scene::Scene& scene) {
-  try {
-    deploy::deploy(scene, 1, nullptr);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusalOf<Error>([&] { deploy::deploy(scene, 1, nullptr); });
 }
 
 TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {

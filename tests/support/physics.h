@@ -1,0 +1,9 @@
+// Constants that tests of motion share.
+#pragma once
+
+namespace kirireel::test {
+
+inline constexpr double kGravity = 9.81;      ///< m/s^2
+inline constexpr double kStep = 1.0 / 240;    ///< s, one fixed step of a run
+
+}  // namespace kirireel::test
