@@ -135,6 +135,7 @@ constexpr const char* kSheet = "sheet";
 /// folders zero-based.
 fea::ElementRule numbered(fea::ElementRule rule, const model::Model& model) {
   rule.countsFrom = model.fileOrder.countsFrom;
+  rule.unit = model.unit;
   return rule;
 }
 

@@ -241,10 +241,10 @@ void checkAspect(const ElementMesh& mesh, const Element& element, int tile, doub
   const double height = thickness / mesh.rule.through;
   if (length <= kMostAspect * height) return;
   throw InputError(fmt::format(
-      "error: tile {} is too thin for its elements, {:.3g} m long and {:.3g} m high; at most {} "
+      "error: tile {} is too thin for its elements, {} long and {} high; at most {} "
       "times as long as high are allowed: use more elements per edge, fewer through the thickness, "
       "or thicker bricks",
-      tile, length, height, kMostAspect));
+      tile, lengthText(length, mesh.rule.unit), lengthText(height, mesh.rule.unit), kMostAspect));
 }
 
 /// Merged corners are at their mean, so a joint with a large gap can also fold an element.
@@ -388,15 +388,15 @@ void requireValidRule(const ElementRule& rule) {
   require(rule.through, 1, "through the thickness");
   if (rule.perEdge > 0 && rule.size > 0) {
     throw InputError(
-        fmt::format("error: {} elements per edge and elements of {} m contradict each other; give "
+        fmt::format("error: {} elements per edge and elements of {} contradict each other; give "
                     "only one of them",
-                    rule.perEdge, rule.size));
+                    rule.perEdge, lengthText(rule.size, rule.unit, 6)));
   }
   if (!(rule.size >= 0) || !(rule.patchRadius >= 0)) {
-    throw InputError(
-        fmt::format("error: elements of {} m and patches of radius {} m are not "
-                    "possible; give positive lengths",
-                    rule.size, rule.patchRadius));
+    throw InputError(fmt::format(
+        "error: elements of {} and patches of radius {} are not "
+        "possible; give positive lengths",
+        lengthText(rule.size, rule.unit, 6), lengthText(rule.patchRadius, rule.unit, 6)));
   }
 }
 
@@ -880,16 +880,16 @@ double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>
 
 /// Merging two corners of one tile would fold it.
 void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner,
-                           int countsFrom) {
+                           const ElementRule& rule) {
   std::vector<int> tiles;
   for (const int node : cluster.nodes) tiles.push_back(owner[node]);
   std::ranges::sort(tiles);
   const auto twice = std::ranges::adjacent_find(tiles);
   if (twice == tiles.end()) return;
   throw InputError(
-      fmt::format("error: the joints tie two corners of tile {} together, {:.3g} m apart; a mesh "
+      fmt::format("error: the joints tie two corners of tile {} together, {} apart; a mesh "
                   "can join only different tiles: remove one of these joints",
-                  *twice + countsFrom, cluster.gap));
+                  *twice + rule.countsFrom, lengthText(cluster.gap, rule.unit)));
 }
 
 void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
@@ -1003,9 +1003,10 @@ void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& m
                    int leastPerEdge) {
   if (patch.size() >= 3) return;
   throw InputError(
-      fmt::format("error: a joint patch of radius {:.4g} m has {} nodes of tile {}, at least 3 are "
+      fmt::format("error: a joint patch of radius {} has {} nodes of tile {}, at least 3 are "
                   "needed; use {} elements per edge or a larger radius",
-                  mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
+                  lengthText(mesh.rule.patchRadius, mesh.rule.unit, 4), patch.size(),
+                  tile + mesh.rule.countsFrom, leastPerEdge));
 }
 
 /// A node can belong to only one rigid body. `isTaken` has the nodes of all previous tiles.
@@ -1016,9 +1017,10 @@ void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& me
       std::vector<Vector3> corners;
       for (const auto& edge : mesh.tiles[tile].edges) corners.push_back(mesh.nodes[edge.front()]);
       throw InputError(fmt::format(
-          "error: joint patches of radius {:.4g} m overlap on tile {}; choose one "
-          "below {:.4g} m, half the distance of its nearest corners",
-          mesh.rule.patchRadius, tile + mesh.rule.countsFrom, 0.5 * leastDistance(corners)));
+          "error: joint patches of radius {} overlap on tile {}; choose one "
+          "below {}, half the distance of its nearest corners",
+          lengthText(mesh.rule.patchRadius, mesh.rule.unit, 4), tile + mesh.rule.countsFrom,
+          lengthText(0.5 * leastDistance(corners), mesh.rule.unit, 4)));
     }
     isTaken[node] = true;
   }
@@ -1129,7 +1131,7 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
   const std::vector<int> owner = tilesOfNodes(mesh);
   for (NodeCluster& cluster : clusters) {
     cluster.gap = largestDistance(cluster.nodes, mesh.nodes);
-    requireDifferentTiles(cluster, owner, mesh.rule.countsFrom);
+    requireDifferentTiles(cluster, owner, mesh.rule);
   }
   return clusters;
 }

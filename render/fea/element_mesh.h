@@ -42,6 +42,7 @@ struct ElementRule {
   ElementFamily family = ElementFamily::Solid;  ///< solids, shells or plane elements
   writers::NeckShape neck;                      ///< of JointStyle::Neck, see writers::shapeAt()
   int countsFrom = 0;  ///< number of the first tile in messages, as in the model's file
+  LengthUnit unit;     ///< of lengths in messages, as in the model's file
 };
 
 /// The coarsest elements, 8 nodes each, sufficient for tiles without strain. Joints, family and

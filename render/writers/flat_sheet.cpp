@@ -45,9 +45,9 @@ void requireFlat(const model::Model& model, const Vector3& normal) {
       const double height = std::abs((vertex - origin).dot(normal));
       if (height <= allowed) continue;
       throw InputError(
-          fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
+          fmt::format("error: the start is not flat: tile {} reaches {} out of "
                       "the plane of tile {}; only planar models have a cut pattern",
-                      first + t, height, first));
+                      first + t, lengthText(height, model.unit), first));
     }
   }
 }
@@ -147,6 +147,7 @@ class PatternMaker {
   PatternMaker(const model::Model& model, std::optional<double> hingeWidth)
       : tiles_(flatSheet(model).tiles),
         first_(model.fileOrder.countsFrom),
+        unit_(model.unit),
         width_(hingeWidth),
         usualWidth_(kHingeOfTile * model::tileSize(model)),
         same_(kSameEdge * model::tileSize(model)) {
@@ -229,10 +230,10 @@ class PatternMaker {
     const Vector2 to = tiles_[tile][after(tile, edge)];
     const double length = (to - from).norm();
     if (atStart + atEnd >= length) {
-      throw InputError(
-          fmt::format("error: hinges {} m wide leave nothing to cut of edge {} of tile "
-                      "{}, {:.3g} m long; choose a smaller --hinge-width",
-                      widest_, first_ + edge, first_ + tile, length));
+      throw InputError(fmt::format(
+          "error: hinges {} wide leave nothing to cut of edge {} of tile "
+          "{}, {} long; choose a smaller --hinge-width",
+          lengthText(widest_, unit_, 6), first_ + edge, first_ + tile, lengthText(length, unit_)));
     }
     const Vector2 along = (to - from) / length;
     lines_.push_back({twin ? PatternLayer::Slits : PatternLayer::Cuts, from + atStart * along,
@@ -241,6 +242,7 @@ class PatternMaker {
 
   std::vector<FlatTile> tiles_;
   int first_;                    ///< number of tiles, edges and joints in messages
+  LengthUnit unit_;              ///< of lengths in messages
   std::optional<double> width_;  ///< of all hinges
   double usualWidth_;            ///< of joints without a neck
   double widest_ = 0;            ///< of all hinges so far
@@ -269,9 +271,9 @@ constexpr LayerLook kLooks[] = {
 std::vector<PatternLine> cutPattern(const model::Model& model, std::optional<double> hingeWidth) {
   if (hingeWidth && !(*hingeWidth > 0)) {
     throw InputError(
-        fmt::format("error: hinges cannot be {} m wide; give a positive --hinge-width, "
+        fmt::format("error: hinges cannot be {} wide; give a positive --hinge-width, "
                     "or the sheet falls apart",
-                    *hingeWidth));
+                    lengthText(*hingeWidth, model.unit, 6)));
   }
   return PatternMaker(model, hingeWidth).take();
 }
@@ -708,21 +710,22 @@ class OutlineMaker {
   std::vector<std::vector<CornerPoints>> corners_;
 };
 
-void requirePossible(const NeckShape& shape) {
+void requirePossible(const NeckShape& shape, const LengthUnit& unit) {
   if (!(shape.width > 0)) {
     throw InputError(
-        fmt::format("error: necks cannot be {} m wide; give a positive --neck-width, or the sheet "
+        fmt::format("error: necks cannot be {} wide; give a positive --neck-width, or the sheet "
                     "falls apart",
-                    shape.width));
+                    lengthText(shape.width, unit, 6)));
   }
   const double length = std::max(shape.length, shape.kerf);
   if (shape.length >= 0 && shape.kerf >= 0 && shape.radius >= 0 && 2 * shape.radius <= length) {
     return;
   }
-  throw InputError(fmt::format(
-      "error: fillets of radius {} m do not fit necks {} m long; choose a --neck-radius "
-      "of at most {} m, or a --neck-length of at least {} m",
-      shape.radius, length, length / 2, 2 * shape.radius));
+  throw InputError(
+      fmt::format("error: fillets of radius {} do not fit necks {} long; choose a --neck-radius "
+                  "of at most {}, or a --neck-length of at least {}",
+                  lengthText(shape.radius, unit, 6), lengthText(length, unit, 6),
+                  lengthText(length / 2, unit, 6), lengthText(2 * shape.radius, unit, 6)));
 }
 
 /// Makes a whole outline.
@@ -754,10 +757,11 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
 
 [[noreturn]] void refuse(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape,
                          const Misfit& misfit) {
+  const auto length = [&](double metres) { return lengthText(metres, model.unit, 6); };
   std::string cure = "; no neck of this length and kerf fits";
   const auto offer = [&](double NeckShape::*length, double good, const char* words) {
     const std::optional<double> bound = boundOf(model, sheet, shape, length, good);
-    if (bound) cure = fmt::format("; {} {:.3g} m does", words, *bound);
+    if (bound) cure = fmt::format("; {} {} does", words, lengthText(*bound, model.unit));
     return bound.has_value();
   };
   const double size = model::tileSize(model);
@@ -775,10 +779,10 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
         offer(&NeckShape::length, misfit.shape.kerf, "a --neck-length of");
   }
   throw InputError(fmt::format(
-      "error: {}: a neck {} m wide and {} m long with fillets of {} m and a kerf of {} m does not "
+      "error: {}: a neck {} wide and {} long with fillets of {} and a kerf of {} does not "
       "fit{}",
-      misfit.where, misfit.shape.width, misfit.shape.length, misfit.shape.radius, misfit.shape.kerf,
-      cure));
+      misfit.where, length(misfit.shape.width), length(misfit.shape.length),
+      length(misfit.shape.radius), length(misfit.shape.kerf), cure));
 }
 
 }  // namespace
@@ -793,8 +797,8 @@ NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape) {
 }
 
 NeckOutline neckOutline(const model::Model& model, const NeckShape& shape) {
-  if (model.joints.empty()) requirePossible(shape);
-  for (const model::Joint& joint : model.joints) requirePossible(shapeAt(joint, shape));
+  if (model.joints.empty()) requirePossible(shape, model.unit);
+  for (const model::Joint& joint : model.joints) requirePossible(shapeAt(joint, shape), model.unit);
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);
   const FlatSheet sheet = flatSheet(model);

@@ -252,7 +252,7 @@ class FoldReader {
         point[static_cast<int>(axis)] = entry[axis].is_number() ? entry[axis].get<double>() : NAN;
       }
       if (isPoint && point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate) continue;
-      throw fault(fmt::format("vertex {} is not two or three coordinates within {:g} m; correct it",
+      throw fault(fmt::format("vertex {} is not two or three coordinates within {:g}; correct it",
                               points.size() - 1, kMaxCoordinate));
     }
     return points;
@@ -684,10 +684,10 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
     worst = std::max(worst, (a - b).norm());
   }
   if (worst > kOpenFold * tileSize(model)) {
-    warnings.push_back(
-        fmt::format("{}: warning: with its fold angles, joints would open by {:.2g} m. So the "
-                    "model has no target, and springs at folds rest at these angles",
-                    file.string(), worst));
+    warnings.push_back(fmt::format(
+        "{}: warning: with its fold angles, joints would open by {:.2g} (the file's unit). So "
+        "the model has no target, and springs at folds rest at these angles",
+        file.string(), worst));
     return;
   }
   model.target = std::move(folded);

@@ -662,7 +662,7 @@ class PlyReader {
     const bool isPadding = point.array().isNaN().all();
     const bool isWithin = point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate;
     if (!isWithin && !isPadding) {
-      throw fault(fmt::format("vertex {} is not within {:g} m", points_.size(), kMaxCoordinate));
+      throw fault(fmt::format("vertex {} is not within {:g}", points_.size(), kMaxCoordinate));
     }
     points_.push_back(point);
   }

@@ -130,7 +130,7 @@ void checkFlatness(const TileTable& table, int tile, double extent) {
     const double height = std::abs((vertices[k] - middle).dot(normal));
     if (height <= allowed) continue;
     throw inputErrorAt(table.at(tile, static_cast<int>(k)),
-                       fmt::format("vertex {} of tile {} is {:.3g} m off the tile's plane, at most "
+                       fmt::format("vertex {} of tile {} is {:.3g} off the tile's plane, at most "
                                    "{:.3g} is allowed; flatten the tile or split it into triangles",
                                    table.countsFrom + k, table.countsFrom + tile, height, allowed));
   }
@@ -266,7 +266,7 @@ void checkTarget(const TileTable& target, const Model& start, const TileTable& t
       throw inputErrorAt(
           target.at(tile, change.vertexB),
           fmt::format(
-              "vertices {} and {} of target tile {} are {:.4g} m apart, but at {} {:.4g}. The "
+              "vertices {} and {} of target tile {} are {:.4g} apart, but at {} {:.4g}. The "
               "target must have the same rigid tiles. Correct it, or use this model's target",
               table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
               table.countsFrom + tile, change.targetDistance, table.shortName(tile),
@@ -278,7 +278,7 @@ void checkTarget(const TileTable& target, const Model& start, const TileTable& t
   if (changed == 0) return;
   warnings.push_back(
       fmt::format("{}: warning: {} target tiles have slightly different shapes. Here a length "
-                  "differs most, by {:.2g} m. Rigid tiles can only come near this target",
+                  "differs most, by {:.2g}. Rigid tiles can only come near this target",
                   toString(target.at(worst.tile)), changed, worst.size()));
 }
 
@@ -491,7 +491,7 @@ void RoundedCorners::note(Model& model, std::vector<std::string>& warnings) {
   if (repair_.corners.empty()) return;
   const std::size_t count = repair_.corners.size();
   repair_.found =
-      fmt::format("the corners of {} joint{} are {}{:.2g} m apart, by rounding to {:g} m", count,
+      fmt::format("the corners of {} joint{} are {}{:.2g} apart, by rounding to {:g}", count,
                   count == 1 ? "" : "s", count == 1 ? "" : "up to ", largest_, lastPlace_);
   repair_.done = count == 1 ? "joined at one corner" : "joined at one corner each";
   repair_.advice = "write the same numbers for both corners";
@@ -754,7 +754,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
     if (gap > allowed) {
       throw inputErrorAt(
           {table.file, table.rows[i].line},
-          fmt::format("vertex {} of tile {} and vertex {} of tile {} are {:.3g} m "
+          fmt::format("vertex {} of tile {} and vertex {} of tile {} are {:.3g} "
                       "apart at the start, at most {:.3g} is allowed; correct this "
                       "joint or the vertices at {} and {}",
                       table.countsFrom + joint.a.vertex, table.countsFrom + joint.a.tile,
@@ -775,7 +775,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
   rounded.note(model, warnings);
   if (open == 0) return;
   warnings.push_back(
-      fmt::format("{}: warning: {} joints are open at the start, this one most, by {:.2g} m. The "
+      fmt::format("{}: warning: {} joints are open at the start, this one most, by {:.2g}. The "
                   "run closes them",
                   kirireel::toString({table.file, worstLine}), open, worst));
 }
@@ -947,7 +947,7 @@ class NearCorners {
   [[noreturn]] void refuse(std::size_t tile) const {
     throw inputErrorAt(
         {file_},
-        fmt::format("corners at tile {} are within {:.2g} m, below the precision of their digits, "
+        fmt::format("corners at tile {} are within {:.2g}, below the precision of their digits, "
                     "but are different vertices. Give joined corners the same vertex number",
                     tile, tolerance_));
   }

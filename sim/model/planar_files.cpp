@@ -391,8 +391,8 @@ void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& wa
   rounded.note(model, warnings);
   if (rods == 0) return;
   const bool oneLength = longest - shortest <= samePlace;
-  const std::string length = oneLength ? fmt::format("{:.4g} m", longest)
-                                       : fmt::format("{:.4g} to {:.4g} m", shortest, longest);
+  const std::string length = oneLength ? fmt::format("{:.4g}", longest)
+                                       : fmt::format("{:.4g} to {:.4g}", shortest, longest);
   warnings.push_back(
       fmt::format("{}: note: {} joint{} corners clearly apart: {} {} long, which "
                   "{} this distance",

@@ -137,14 +137,14 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
   if (!readNumber(field.text, value)) {
     const bool hasComma = std::ranges::count(field.text, ',') == 1;
     throw inputErrorAt(location,
-                       fmt::format("{} is not a number; write coordinates in metres, "
+                       fmt::format("{} is not a number; write coordinates, "
                                    "{}separated by blanks",
                                    quoted(field.text), hasComma ? "with a decimal point, " : ""));
   }
   if (!(std::abs(value) <= kMaxCoordinate)) {
     throw inputErrorAt(
         location,
-        fmt::format("{} is not a coordinate in [-{:g}, {:g}] m. Correct it or scale the model",
+        fmt::format("{} is not a coordinate in [-{:g}, {:g}]. Correct it or scale the model",
                     quoted(field.text), kMaxCoordinate, kMaxCoordinate));
   }
   return value;

@@ -71,9 +71,9 @@ class TextTable {
   bool hasComment_ = false;
 };
 
-/// Largest accepted coordinate, metres. A larger number is a typing error, and distances of tiles
-/// would lose the precision that joints need.
-inline constexpr double kMaxCoordinate = 1e6;
+/// Largest accepted coordinate, in the file's unit. Larger numbers have no decimals as doubles, so
+/// they would lose the precision that joints need.
+inline constexpr double kMaxCoordinate = 1e15;
 
 /// Reads a number, also with a leading plus or a Fortran exponent (1.0D+00). False if the text is
 /// not completely a number. Out of range gives an infinity.
@@ -82,8 +82,8 @@ bool readNumber(std::string_view text, double& value);
 /// Whether a word is a missing number: NaN in upper or lower case, with or without a sign.
 bool isNan(std::string_view text);
 
-/// The coordinate in a field, metres, [-kMaxCoordinate, kMaxCoordinate]. Throws InputError for
-/// letters, NaN, infinities and numbers out of range.
+/// The coordinate in a field, in the file's unit, [-kMaxCoordinate, kMaxCoordinate]. Throws
+/// InputError for letters, NaN, infinities and numbers out of range.
 double parseCoordinate(const TextField& field, const FileLocation& location);
 
 /// The number in a field, in [least, most]. Throws InputError for other text; `meaning` describes

@@ -9,11 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel::model {
 namespace {
 
+using test::TemporaryFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
@@ -208,7 +209,7 @@ TEST(SvgDrawing, SaysWhatIsWrong) {
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"3 parsec\"/></svg>"),
               HasSubstr("has an unknown unit"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"1e30\" stroke=\"red\"/></svg>"),
-              HasSubstr("coordinates must be within 1e+06 m"));
+              HasSubstr("coordinates must be within 1e+15 m"));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -12,11 +12,12 @@
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 const fs::path kPairs = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models/obj-pairs";
@@ -195,7 +196,7 @@ TEST(Formats, FoldAnglesMakeTheTarget) {
   EXPECT_LT(((*mountain.target)[1].vertices[1] - Vector3(1, 0, -1)).norm(), 1e-15);
   // Written again, the crease has its angle.
   model::writeModel(valley, folder.path() / "c.fold");
-  const std::string text = readWhole(folder.path() / "c.fold");
+  const std::string text = test::bytesOf(folder.path() / "c.fold");
   EXPECT_NE(text.find("\"V\""), text.npos);
   EXPECT_NE(text.find("90.0"), text.npos);
 }
@@ -225,7 +226,7 @@ TEST(Formats, FoldAnglesAreKeptForSprings) {
   // Written again too.
   model::writeModel(standing, folder.path() / "c.fold");
   EXPECT_NEAR(read(folder.path() / "c.fold").foldAngles.at({0, 1}), -30 * kDegree, 1e-15);
-  EXPECT_NE(readWhole(folder.path() / "c.fold").find("\"M\""), std::string::npos);
+  EXPECT_NE(test::bytesOf(folder.path() / "c.fold").find("\"M\""), std::string::npos);
   for (const char* unfolded :
        {R"("edges_foldAngle": [null,null,null])",
         R"("edges_assignment": ["B","C","B"], "edges_foldAngle": [0,90,0])",
@@ -419,7 +420,7 @@ TEST(FormatErrors, Fold) {
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0,0,0]]})"}},
                  "a.fold"),
-      "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
+      "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+15; correct it");
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
       "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");

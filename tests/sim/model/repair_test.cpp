@@ -11,11 +11,12 @@
 #include "sim/model/lattice.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/read_model.h"
-#include "tests/sim/model/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
+using test::TemporaryFolder;
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -149,7 +150,7 @@ TEST(Repair, OneDigitApartIsOneCorner) {
     EXPECT_EQ(joint.kind, model::JointKind::Pivot);
   ASSERT_EQ(read.warnings.size(), 1U);
   EXPECT_THAT(read.warnings[0],
-              HasSubstr("are 0.001 m apart, by rounding to 0.001 m; joined at one corner"));
+              HasSubstr("are 0.001 apart, by rounding to 0.001; joined at one corner"));
   EXPECT_NEAR(read.model.rounding, 1e-3, 1e-12);
   model::ReadSettings strict;
   strict.strict = true;
@@ -166,7 +167,7 @@ TEST(Repair, RodsAreReportedWithTheirLength) {
   EXPECT_EQ(read.model.joints[1].kind, model::JointKind::Link);
   EXPECT_THAT(read.warnings,
               ElementsAre("@/a_constraints.txt:2: note: 1 joint holds corners clearly apart: a rod "
-                          "0.125 m long, which keeps this distance"));
+                          "0.125 long, which keeps this distance"));
 }
 
 TEST(Repair, DigitsAreFoundInTheNumbers) {
@@ -369,8 +370,8 @@ TEST(FileOrder, PlanarFilesGoRound) {
   }
   model::writeModel(read, folder.path() / "again_vertices.txt");
   for (const char* part : {"vertices", "constraints", "hull"}) {
-    EXPECT_EQ(readWhole(folder.path() / fmt::format("again_{}.txt", part)),
-              readWhole(folder.path() / fmt::format("sheet_{}.txt", part)))
+    EXPECT_EQ(test::bytesOf(folder.path() / fmt::format("again_{}.txt", part)),
+              test::bytesOf(folder.path() / fmt::format("sheet_{}.txt", part)))
         << part;
   }
 }

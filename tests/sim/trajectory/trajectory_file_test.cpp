@@ -15,6 +15,7 @@
 #include "tests/support/files.h"
 #include "tests/support/pair_forces.h"
 #include "tests/support/program.h"
+#include "tests/support/refusal.h"
 
 namespace kirireel {
 namespace {
@@ -140,19 +141,8 @@ void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& 
   expectSameValue(model::ligamentsOf(a.pairForces), model::ligamentsOf(b.pairForces), "ligaments");
 }
 
-/// What a call throws, as its message.
-template <typename Error, typename Call>
-std::string messageOf(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
-
 std::string refusalOf(const std::filesystem::path& file) {
-  return messageOf<InputError>([&] { trajectory::readTrajectory(file); });
+  return test::refusalOf<InputError>([&] { trajectory::readTrajectory(file); });
 }
 
 TEST(TrajectoryFile, KeepsEveryBit) {
@@ -200,7 +190,7 @@ TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
   trajectory::Trajectory written = randomTrajectory(3);
   std::swap(written.samples[1].steps[0], written.samples[1].steps[1]);
   trajectory::writeTrajectory(written, folder / "run.h5");
-  EXPECT_THAT(messageOf<InputError>([&] { trajectory::readTrajectory(folder / "run.h5"); }),
+  EXPECT_THAT(test::refusalOf<InputError>([&] { trajectory::readTrajectory(folder / "run.h5"); }),
               HasSubstr("the times of the steps do not increase"));
 }
 
@@ -354,7 +344,7 @@ TEST(TrajectoryFile, RefusesContradictions) {
   }
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
-      "error: a brick in position is more than 1e+10 m away" + advice);
+      "error: a brick in position is more than 1e+19 m away" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + advice);
 }
@@ -449,7 +439,7 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
 }
 
 TEST(TrajectoryFile, SaysThatItCannotBeWritten) {
-  EXPECT_THAT(messageOf<OutputError>([] {
+  EXPECT_THAT(test::refusalOf<OutputError>([] {
                 trajectory::writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5");
               }),
               HasSubstr("/proc/kirireel: error: cannot write in this folder"));
