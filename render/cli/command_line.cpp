@@ -150,8 +150,8 @@ std::vector<Command> addCommands(CLI::App& program) {
           addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
           addCommand(program, addConvertCommand),  addCommand(program, addModelsCommand),
           addCommand(program, addStudyCommand),    addCommand(program, addPageCommand),
-          addCommand(program, addCurvesCommand),   addCommand(program, addSweepCommand),
-          addCommand(program, addVerifyCommand)};
+          addCommand(program, addCurvesCommand),   addCommand(program, addFigureCommand),
+          addCommand(program, addSweepCommand),    addCommand(program, addVerifyCommand)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "render/cli/figure_command.h"
 #include "render/cli/model_commands.h"
 #include "render/cli/record_command.h"
 #include "render/cli/run_commands.h"
@@ -28,7 +29,7 @@ int carryOut(const PrintOrder& order);
 /// parser.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
                            ConvertOrder, ModelsOrder, StudyOrder, SweepOrder, VerifyOrder,
-                           CurvesOrder, PageOrder, PrintOrder>;
+                           CurvesOrder, FigureOrder, PageOrder, PrintOrder>;
 
 /// A model in memory, with the files, options and warnings of its reading.
 struct LoadedModel {

@@ -347,6 +347,13 @@ picture::FrameSize parseSize(const scene::TypedValue& value) {
   return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
+double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
+  // The unit is optional because only one is allowed.
+  std::string digits = value.text;
+  if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
+  return scene::parseNumber({value.name, digits}, range);
+}
+
 picture::GridShape parseGrid(const scene::TypedValue& value) {
   const auto pair = readPair(value.text);
   const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&

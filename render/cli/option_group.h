@@ -36,6 +36,9 @@ inline bool has(const std::vector<std::string>& names, const std::string& name) 
 /// "1280x720": a valid frame size. Width before height, in pixels, each from 1 to kMaxFrameSide.
 picture::FrameSize parseSize(const scene::TypedValue& value);
 
+/// "180mm" or "7pt": a number with or without this unit. Returns the number.
+double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range);
+
 /// "3x4": rows x columns, each 1 to 100.
 picture::GridShape parseGrid(const scene::TypedValue& value);
 

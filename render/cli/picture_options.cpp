@@ -15,15 +15,6 @@
 namespace kirireel::cli {
 namespace {
 
-/// "180mm" or "7pt": a positive number with or without this unit. Returns the
-/// number.
-double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
-  // The unit is optional because only one is allowed.
-  std::string digits = value.text;
-  if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
-  return scene::parseNumber({value.name, digits}, range);
-}
-
 /// Splits at commas; a comma at the end adds no empty word.
 std::vector<std::string> parseWords(const std::string& text) {
   std::vector<std::string> words;
@@ -74,7 +65,8 @@ std::string lettersText(picture::PanelLetters letters) {
   return scene::quotedText(scene::nameOfChoice(letterChoices(), letters));
 }
 
-/// Additions for figures in papers.
+}  // namespace
+
 void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
       .value("--width", "MM", "by --size",
@@ -102,27 +94,23 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
              "of several runs one per row",
              [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
       .serializedAs([&] { return lettersText(settings.letters); });
-  group.flag("--arrows", settings.arrows,
-             "arrows from each of the grid's pictures to the next in its row");
   group
-      .value(
-          "--column-heads", "LIST", "none",
-          "headers of the grid's columns instead of captions, separated by commas: flat,half,open",
-          [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
-      .serializedAs([&] {
-        return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
-      });
-  group
-      .value("--figure", "LIST", "none",
-             "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
-             [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
-      .serializedAs([&] { return pagesText(settings.pages); });
+      .value("--dpi", "COUNT", "not stored", "dots per inch stored in PNG files, for print",
+             [&](const scene::TypedValue& typed) {
+               settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
+             })
+      .serializedAs(
+          [&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
 }
 
-}  // namespace
+void addRowOptions(OptionGroup& group, record::PictureSettings& settings) {
+  group.flag("--same-view", settings.sameView,
+             "the view of the first run for all rows; else each row has its own");
+  group.flag("--same-scale", settings.sameScale,
+             "the same scale of length for all rows; needs a parallel projection");
+}
 
-void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
-  OptionGroup group(command, "Pictures", "recording");
+void addGridOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
       .value("--size", "WxH", "1280x720", "size of each picture, pixels",
              [&](const scene::TypedValue& typed) { settings.size = parseSize(typed); })
@@ -139,18 +127,31 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
       .serializedAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
              "a bar of length below the grid and the video; needs a parallel projection");
-  group
-      .value("--dpi", "COUNT", "not stored", "dots per inch stored in PNG files, for print",
-             [&](const scene::TypedValue& typed) {
-               settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
-             })
-      .serializedAs(
-          [&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
-  addPrintOptions(group, settings);
   group.choice<record::SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", record::SnapshotSpacing::Progress}, {"time", record::SnapshotSpacing::Time}},
       "spacing of the grid's pictures, in equal steps of motion or of time");
+  group.flag("--arrows", settings.arrows,
+             "arrows from each of the grid's pictures to the next in its row");
+  group
+      .value(
+          "--column-heads", "LIST", "none",
+          "headers of the grid's columns instead of captions, separated by commas: flat,half,open",
+          [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
+      .serializedAs([&] {
+        return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
+      });
+}
+
+void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
+  OptionGroup group(command, "Pictures", "recording");
+  addGridOptions(group, settings);
+  addPrintOptions(group, settings);
+  group
+      .value("--figure", "LIST", "none",
+             "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
+             [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
+      .serializedAs([&] { return pagesText(settings.pages); });
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group
       .value(

@@ -17,7 +17,6 @@
 #include "render/cli/scene_options.h"
 #include "render/export/export.h"
 #include "render/output/output_folder.h"
-#include "render/record/load_curve_file.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 
@@ -37,10 +36,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                  "frames per second of video");
-  output.flag("--same-view", order.settings.sameView,
-              "the view of the first run for all rows; else each row has its own");
-  output.flag("--same-scale", order.settings.sameScale,
-              "the same scale of length for all rows; needs a parallel projection");
+  addRowOptions(output, order.settings);
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
   command->footer(
@@ -367,16 +363,17 @@ std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
   return plots;
 }
 
-/// Which curves a figure shows.
-void addSelectionOptions(OptionGroup& group, record::CurvesSettings& settings) {
-  group.value("--curves", "LIST", "all",
-              "curves of the figures, separated by commas: target_error, opening_mean, radius, "
-              "...; theta is the mean opening, load_curve the force of grips",
-              [&settings](const scene::TypedValue& typed) {
-                for (const std::string& name : splitAtCommas(typed)) {
-                  settings.selected.push_back(name);
-                }
-              });
+}  // namespace
+
+void addPlotOptions(OptionGroup& group, record::CurvesSettings& settings) {
+  group.values("--curves", "LIST",
+               "curves of the figures, separated by commas: target_error, opening_mean, radius, "
+               "...; theta is the mean opening, load_curve the force of grips; all (default all)",
+               [&settings](const scene::TypedValue& typed) {
+                 for (const std::string& name : splitAtCommas(typed)) {
+                   if (name != "all") settings.selected.push_back(name);
+                 }
+               });
   group.values(
       "--column", "FILE.csv:NAME",
       "a column of a table, in the diagram of the curve of this name or its own",
@@ -387,9 +384,12 @@ void addSelectionOptions(OptionGroup& group, record::CurvesSettings& settings) {
         }
         settings.columns.push_back({typed.text.substr(0, colon), typed.text.substr(colon + 1)});
       });
+  group.choice<record::CurvesAgainst>("--against", settings.against,
+                                      {{"time", record::CurvesAgainst::Time},
+                                       {"progress", record::CurvesAgainst::Progress},
+                                       {"opening", record::CurvesAgainst::Opening}},
+                                      "quantity of the horizontal axes");
 }
-
-}  // namespace
 
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   CLI::App* command = program.add_subcommand(
@@ -403,15 +403,10 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   output.value("--out", "FOLDER", "next to RUN", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
-  addSelectionOptions(figures, order.settings);
+  addPlotOptions(figures, order.settings);
   figures.value(
       "--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
       [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });
-  figures.choice<record::CurvesAgainst>("--against", order.settings.against,
-                                        {{"time", record::CurvesAgainst::Time},
-                                         {"progress", record::CurvesAgainst::Progress},
-                                         {"opening", record::CurvesAgainst::Opening}},
-                                        "quantity of the horizontal axes");
   // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
   figures.number("--width", plot.width, {30, 1000}, "MM", "width of the figure in print");
@@ -454,9 +449,7 @@ int carryOut(const CurvesOrder& order) {
   if (settings.folder.empty()) settings.folder = ".";
   std::vector<record::NamedRun> runs;
   for (const std::filesystem::path& run : order.runs) {
-    auto reader = std::make_unique<trajectory::TrajectoryReader>(run);
-    std::string name = std::filesystem::absolute(run).parent_path().filename().string();
-    runs.push_back({std::move(name), std::move(reader), record::readLoadCurve(run)});
+    runs.push_back(record::openRun(run));
   }
   for (const std::string& name : record::writeCurves(runs, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());

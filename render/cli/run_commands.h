@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "render/cli/option_group.h"
 #include "render/export/export.h"
 #include "render/page/page.h"
 #include "render/record/curves.h"
@@ -72,6 +73,9 @@ struct CurvesOrder {
   std::vector<std::filesystem::path> runs;  ///< trajectory.h5 files, or their folders
   record::CurvesSettings settings;          ///< folder is empty if --out was not given
 };
+
+/// Adds the options that select curves and their axis. The settings must outlive the parsing.
+void addPlotOptions(OptionGroup& group, record::CurvesSettings& settings);
 
 /// Adds `curves`. The order must outlive the parsing.
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order);

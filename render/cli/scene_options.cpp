@@ -190,16 +190,17 @@ CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
 }
 
 /// An option without a value is set by true; false has no effect.
-void requireKindOfValue(const scene::SceneSetting& setting, bool isSwitch) {
-  if (isSwitch == setting.isSwitch) return;
+void requireKindOfValue(const scene::SceneSetting& setting, const CLI::Option& option) {
+  const bool isSwitch = option.get_items_expected_max() == 0;
+  // An option with an optional value, such as --letters [WORD], is either.
+  const bool isEither = option.get_type_name().starts_with('[');
+  const bool isSeveral = setting.values.size() > 1;
+  if (isSeveral && option.get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll) {
+    throw inputErrorAt(setting.where, fmt::format("{} has one value", setting.key));
+  }
+  if (isEither || isSwitch == setting.isSwitch) return;
   throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
                                              : fmt::format("{} needs a value", setting.key));
-}
-
-/// An option's message without "error: ", which the file position already contains.
-std::string withoutMark(const std::string& message) {
-  constexpr std::string_view kMark = "error: ";
-  return message.starts_with(kMark) ? message.substr(kMark.size()) : message;
 }
 
 }  // namespace
@@ -213,7 +214,7 @@ std::string settingKey(const CLI::Option& option) {
 
 void applySetting(CLI::Option& option, const scene::SceneSetting& setting) {
   const bool isSwitch = option.get_items_expected_max() == 0;
-  requireKindOfValue(setting, isSwitch);
+  requireKindOfValue(setting, option);
   const bool isGiven = option.count() > 0;
   if (isGiven || (isSwitch && setting.values.front() == "false")) return;
   // An array gives one value per element, like a repeated option.
@@ -221,7 +222,7 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting) {
   try {
     option.run_callback();
   } catch (const InputError& error) {
-    throw inputErrorAt(setting.where, withoutMark(error.what()));
+    throw scene::locatedAt(setting.where, error);
   }
 }
 

@@ -117,8 +117,15 @@ void printWarnings(const std::vector<std::string>& warnings);
 // ------------------------------------------------------------------------------------------------
 // Options of all painting commands: style, camera, video.
 
-// ------------------------------------------------------------------------------------------------
-// Options of all painting commands.
+/// Adds the options of a grid of pictures, without its files and its size in print. The settings
+/// must outlive the parsing, as for all functions below.
+void addGridOptions(OptionGroup& group, record::PictureSettings& settings);
+
+/// Adds --same-view and --same-scale, for grids of several runs.
+void addRowOptions(OptionGroup& group, record::PictureSettings& settings);
+
+/// Adds the options of a page in print: width, text, letters, dots per inch.
+void addPrintOptions(OptionGroup& group, record::PictureSettings& settings);
 
 /// Adds the options of pictures and their outputs. The settings must outlive the parsing. The group
 /// in a scene file is [recording]; style and camera have their own groups. Each value is checked

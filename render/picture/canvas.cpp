@@ -119,6 +119,7 @@ class SvgCanvas : public Canvas {
   void beginWithin(const std::string& name, double left, double upper, double width,
                    double height) override;
   void end() override;
+  void setOutlines(const OutlineStyle& style) override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
   void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
@@ -127,7 +128,7 @@ class SvgCanvas : public Canvas {
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
             Weight weight) override;
 
-  double silhouetteWidth() const override { return silhouetteWidth_; }
+  double silhouetteWidth() const override { return parts_.back().silhouetteWidth; }
   std::string finish() override;
 
  private:
@@ -136,15 +137,24 @@ class SvgCanvas : public Canvas {
     fmt::format_to(std::back_inserter(file_), form, std::forward<Arguments>(arguments)...);
   }
 
+  /// Rules of a style sheet for the elements in `scope`, a selector with a space after it.
+  void appendRules(const OutlineStyle& style, const std::string& scope);
+  void open(const std::string& name);
+
+  /// An open group; the first one is the page.
+  struct Part {
+    std::string name;
+    double silhouetteWidth;
+  };
+
   std::string file_;
   std::string fontFamily_;
-  double silhouetteWidth_;
-  int depth_ = 0;  ///< of open groups
+  std::vector<Part> parts_;
   int clips_ = 0;
 };
 
 SvgCanvas::SvgCanvas(const PageSettings& settings)
-    : fontFamily_(settings.fontFamily), silhouetteWidth_(settings.silhouetteWidth) {
+    : fontFamily_(settings.fontFamily), parts_{{"", settings.outlines.silhouetteWidth}} {
   append(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"{}\" height=\"{}\" "
@@ -152,28 +162,45 @@ SvgCanvas::SvgCanvas(const PageSettings& settings)
       lengthOf(settings.size.width, settings), lengthOf(settings.size.height, settings),
       settings.size.width, settings.size.height);
   if (!settings.description.empty()) append("<desc>{}</desc>\n", escaped(settings.description));
+  append("<style>\n");
+  appendRules(settings.outlines, "");
   append(
-      "<style>\n"
-      ".face {{ stroke-width: {:.3g}; stroke-linejoin: round }}\n"
-      ".seam {{ fill: none; stroke-width: {:.3g} }}\n"
-      ".outline {{ fill: none; stroke: {}; stroke-width: {:.4g}; stroke-linejoin: round; "
-      "stroke-linecap: round }}\n"
-      ".silhouette {{ stroke-width: {:.4g} }}\n"
-      ".pale {{ stroke: {} }}\n"
       "text {{ font-family: \"{}\", \"Arial\", \"Helvetica\", sans-serif }}\n"
       "</style>\n",
-      seamWidth(settings), cutSeamWidth(settings), hex(settings.outline), settings.slitWidth,
-      settings.silhouetteWidth, hex(settings.paleOutline), settings.fontFamily);
+      settings.fontFamily);
   if (settings.background.alpha == 0) return;
   begin("page");
   box(0, 0, settings.size.width, settings.size.height, settings.background);
   end();
 }
 
+void SvgCanvas::appendRules(const OutlineStyle& style, const std::string& scope) {
+  append(
+      "{0}.face {{ stroke-width: {1:.3g}; stroke-linejoin: round }}\n"
+      "{0}.seam {{ fill: none; stroke-width: {2:.3g} }}\n"
+      "{0}.outline {{ fill: none; stroke: {3}; stroke-width: {4:.4g}; stroke-linejoin: round; "
+      "stroke-linecap: round }}\n"
+      "{0}.silhouette {{ stroke-width: {5:.4g} }}\n"
+      "{0}.pale {{ stroke: {6} }}\n",
+      scope, seamWidth(style), cutSeamWidth(style), hex(style.colour), style.slitWidth,
+      style.silhouetteWidth, hex(style.paleColour));
+}
+
+void SvgCanvas::setOutlines(const OutlineStyle& style) {
+  append("<style>\n");
+  appendRules(style, '#' + parts_.back().name + ' ');
+  append("</style>\n");
+  parts_.back().silhouetteWidth = style.silhouetteWidth;
+}
+
+void SvgCanvas::open(const std::string& name) {
+  parts_.push_back({name, silhouetteWidth()});
+}
+
 void SvgCanvas::begin(const std::string& name, double opacity) {
   append("<g id=\"{0}\" inkscape:label=\"{0}\"{1}{2}>\n", name,
-         depth_ == 0 ? " inkscape:groupmode=\"layer\"" : "", opacityText(opacity));
-  ++depth_;
+         parts_.size() == 1 ? " inkscape:groupmode=\"layer\"" : "", opacityText(opacity));
+  open(name);
 }
 
 void SvgCanvas::beginWithin(const std::string& name, double left, double upper, double width,
@@ -183,12 +210,12 @@ void SvgCanvas::beginWithin(const std::string& name, double left, double upper, 
       "height=\"{4:.2f}\"/></clipPath>\n<g id=\"{5}\" inkscape:label=\"{5}\" "
       "clip-path=\"url(#clip_{0})\">\n",
       ++clips_, left, upper, width, height, name);
-  ++depth_;
+  open(name);
 }
 
 void SvgCanvas::end() {
   append("</g>\n");
-  --depth_;
+  parts_.pop_back();
 }
 
 void SvgCanvas::polygon(const Points& corners, Colour colour) {
@@ -240,6 +267,14 @@ std::string SvgCanvas::finish() {
 }
 
 }  // namespace
+
+int pixelsOf(double millimetres, double dotsPerInch) {
+  return static_cast<int>(std::ceil(millimetres / kMillimetresPerInch * dotsPerInch - 1e-6));
+}
+
+int emOf(double points, double dotsPerInch) {
+  return std::max(1, static_cast<int>(std::lround(points / kPointsPerInch * dotsPerInch)));
+}
 
 std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
   return std::make_unique<SvgCanvas>(settings);
@@ -295,6 +330,7 @@ class CairoCanvas : public Canvas {
   void beginWithin(const std::string& name, double left, double upper, double width,
                    double height) override;
   void end() override;
+  void setOutlines(const OutlineStyle& style) override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
   void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
@@ -315,13 +351,12 @@ class CairoCanvas : public Canvas {
 struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
   cairo_t* pen = nullptr;
-  Colour outline;
-  Colour paleOutline;
-  double slitWidth = 1;
-  double silhouetteWidth = 1;
-  double seam = 0;
-  double cutSeam = 0;
-  std::vector<double> opacities;  ///< of the open parts
+  /// An open part; the first one is the page.
+  struct Part {
+    double opacity;
+    OutlineStyle outlines;
+  };
+  std::vector<Part> parts;
   std::string fontFamily;
   std::map<FontFile, cairo_font_face_t*> fonts;  ///< of shaped text
 
@@ -329,12 +364,7 @@ struct CairoCanvas::Internals {
   Internals(cairo_surface_t* made, double scale, const PageSettings& settings)
       : surface(made),
         pen(cairo_create(made)),
-        outline(settings.outline),
-        paleOutline(settings.paleOutline),
-        slitWidth(settings.slitWidth),
-        silhouetteWidth(settings.silhouetteWidth),
-        seam(seamWidth(settings)),
-        cutSeam(cutSeamWidth(settings)),
+        parts{{1, settings.outlines}},
         fontFamily(settings.fontFamily) {
     cairo_scale(pen, scale, scale);
     cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
@@ -350,6 +380,8 @@ struct CairoCanvas::Internals {
     cairo_destroy(pen);
     cairo_surface_destroy(surface);
   }
+
+  const OutlineStyle& outlines() const { return parts.back().outlines; }
 
   void choose(Colour colour) const {
     cairo_set_source_rgba(pen, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0,
@@ -411,7 +443,7 @@ CairoCanvas::~CairoCanvas() = default;
 void CairoCanvas::begin(const std::string&, double opacity) {
   cairo_save(internals_->pen);
   if (opacity < 1) cairo_push_group(internals_->pen);
-  internals_->opacities.push_back(opacity);
+  internals_->parts.push_back({opacity, internals_->outlines()});
 }
 
 /// The clip ends with the part, by cairo_restore.
@@ -423,8 +455,8 @@ void CairoCanvas::beginWithin(const std::string& name, double left, double upper
 }
 
 void CairoCanvas::end() {
-  const double opacity = internals_->opacities.back();
-  internals_->opacities.pop_back();
+  const double opacity = internals_->parts.back().opacity;
+  internals_->parts.pop_back();
   if (opacity < 1) {
     cairo_pop_group_to_source(internals_->pen);
     cairo_paint_with_alpha(internals_->pen, opacity);
@@ -446,26 +478,30 @@ void CairoCanvas::polygon(const Points& corners, Colour colour) {
   internals_->trace(corners);
   cairo_close_path(pen);
   cairo_fill_preserve(pen);
-  cairo_set_line_width(pen, internals_->seam);
+  cairo_set_line_width(pen, seamWidth(internals_->outlines()));
   cairo_stroke(pen);
 }
 
 void CairoCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   internals_->choose(colour);
-  internals_->stroke(lines, internals_->cutSeam);
+  internals_->stroke(lines, cutSeamWidth(internals_->outlines()));
+}
+
+void CairoCanvas::setOutlines(const OutlineStyle& style) {
+  internals_->parts.back().outlines = style;
 }
 
 double CairoCanvas::silhouetteWidth() const {
-  return internals_->silhouetteWidth;
+  return internals_->outlines().silhouetteWidth;
 }
 
 void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) {
-  Colour colour = pale ? internals_->paleOutline : internals_->outline;
+  const OutlineStyle& style = internals_->outlines();
+  Colour colour = pale ? style.paleColour : style.colour;
   colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
   internals_->choose(colour);
   cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_ROUND);
-  internals_->stroke(lines,
-                     kind == Line::Slit ? internals_->slitWidth : internals_->silhouetteWidth);
+  internals_->stroke(lines, kind == Line::Slit ? style.slitWidth : style.silhouetteWidth);
   cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_BUTT);
 }
 

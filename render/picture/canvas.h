@@ -22,30 +22,54 @@ namespace kirireel::picture {
 inline constexpr double kMillimetresPerInch = 25.4;
 inline constexpr double kPointsPerInch = 72;
 
+/// A length in print as pixels, never fewer than requested.
+int pixelsOf(double millimetres, double dotsPerInch);
+
+/// The em of text with a size in points, pixels.
+int emOf(double points, double dotsPerInch);
+
+/// Lines around polygons on a page. Widths in pixels.
+struct OutlineStyle {
+  Colour colour;                 ///< of bricks
+  Colour paleColour;             ///< of dark bricks
+  double slitWidth = 1;          ///< of lines between tiles
+  double silhouetteWidth = 1.5;  ///< of lines without a neighbour
+};
+
 /// Settings of a page. Its unit is a pixel; at 96 pixels per inch a page has its natural size in a
 /// browser.
 struct PageSettings {
   FrameSize size;             ///< in its own unit, the pixels of a picture of the same layout
   double pixelsPerInch = 96;  ///< > 0
   Colour background = {255, 255, 255};  ///< of the whole page, opaque
-  Colour outline;                       ///< of bricks
-  Colour paleOutline;                   ///< of dark bricks
-  double slitWidth = 1;                 ///< of lines between tiles, pixels
-  double silhouetteWidth = 1.5;         ///< of lines without a neighbour, pixels
+  OutlineStyle outlines;                ///< of parts without their own
   std::string fontFamily;               ///< of all text
   std::string description;              ///< author and source, one line
 };
 
 /// Width of the lines in a polygon's own colour that close the antialiasing gaps between adjacent
 /// polygons, pixels.
-inline double seamWidth(const PageSettings& settings) {
-  return std::max(0.3, 0.4 * settings.slitWidth);
+inline double seamWidth(const OutlineStyle& style) {
+  return std::max(0.3, 0.4 * style.slitWidth);
 }
 
 /// The same for the cut of one face.
-inline double cutSeamWidth(const PageSettings& settings) {
-  return 3 * seamWidth(settings);
+inline double cutSeamWidth(const OutlineStyle& style) {
+  return 3 * seamWidth(style);
 }
+
+/// A rectangle of a page, pixels from the upper left.
+struct PageBox {
+  double left = 0;
+  double upper = 0;
+  double width = 0;
+  double height = 0;
+
+  /// Its right side.
+  double right() const { return left + width; }
+  /// Its lower side.
+  double lower() const { return upper + height; }
+};
 
 /// A page for painting from back to front. Lengths are pixels of PageSettings::size. Later calls
 /// cover earlier ones.
@@ -64,6 +88,9 @@ class Canvas : public Surface {
   /// Closes the innermost part.
   virtual void end() = 0;
 
+  /// Sets the outlines of the innermost open part. A part is open.
+  virtual void setOutlines(const OutlineStyle& style) = 0;
+
   /// A filled polygon, its sides closed against those of its neighbours. Three corners or more;
   /// alpha counts.
   virtual void polygon(const Points& corners, Colour colour) = 0;
@@ -74,12 +101,12 @@ class Canvas : public Surface {
   /// Kind of a line of an outline.
   enum class Line { Slit, Silhouette };
 
-  /// Lines in the settings' outline, or the pale one, and of the settings' width, each through two
+  /// Lines in the colour of outlines, or the pale one, and of their width, each through two
   /// points or more, opacity 0 to 1. A line whose first and last points are the same is closed
   /// without a gap.
   virtual void outlines(const std::vector<Points>& lines, Line kind, bool pale = false,
                         double opacity = 1) = 0;
-  /// As in the settings, pixels.
+  /// Of outlines in the innermost open part, pixels.
   virtual double silhouetteWidth() const = 0;
 
   /// Lines of a width in pixels, each through two points or more.

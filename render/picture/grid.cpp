@@ -139,13 +139,8 @@ void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& sty
     const auto& [picture, head, metresPerPixel] = style.rows[row];
     const double upper = layout.upper(row) - layout.letterHeight - layout.rowHeadHeight;
     const double baseline = upper + std::round(kHeadBaselineEms * layout.textSize);
-    double left = layout.gap;
-    if (nameRows(style) && style.letters != PanelLetters::None) {
-      const std::string letter = panelLetter(row, style.letters);
-      sheet.text(letter, left, baseline, em, style.text, Weight::Bold);
-      left += LabelWriter(em, findFont(Weight::Bold)).width(letter) + 0.6 * em;
-    }
-    sheet.text(head, left, baseline, em, style.text);
+    drawHead(sheet, nameRows(style) ? style.letters : PanelLetters::None, row, head, layout.gap,
+             baseline, em, style.text);
     if (!metresPerPixel) continue;
     const ScaleLength length = roundLength(kLongestBar * layout.picture.width * *metresPerPixel);
     const int pixels = static_cast<int>(std::lround(length.metres / *metresPerPixel));
@@ -230,6 +225,17 @@ void requireShape(GridShape shape, const GridStyle& style) {
 
 }  // namespace
 
+void drawHead(Surface& surface, PanelLetters form, int number, const std::string& text, double left,
+              double baseline, int em, Colour colour) {
+  if (form != PanelLetters::None) {
+    const Weight weight = form == PanelLetters::Plain ? Weight::Regular : Weight::Bold;
+    const std::string letter = panelLetter(number, form);
+    surface.text(letter, left, baseline, em, colour, weight);
+    left += LabelWriter(em, findFont(weight)).width(letter) + 0.6 * em;
+  }
+  if (!text.empty()) surface.text(text, left, baseline, em, colour);
+}
+
 double columnGap(const GridStyle& style) {
   return style.arrows ? kArrowGap : style.gap;
 }
@@ -303,8 +309,7 @@ void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& s
     const int left = layout.left(cell % columns), upper = layout.upper(row);
     if (layout.letterHeight > 0) {
       const double baseline = upper - (kLetterEms - kLetterBaselineEms) * layout.textSize;
-      surface.text(panelLetter(cell, style.letters), left, std::round(baseline), em, style.text,
-                   style.letters == PanelLetters::Plain ? Weight::Regular : Weight::Bold);
+      drawHead(surface, style.letters, cell, "", left, std::round(baseline), em, style.text);
     }
     double baseline =
         upper + layout.pictureOf(row).height + std::lround(kBaselineEms * layout.textSize);

@@ -56,6 +56,10 @@ enum class PanelLetters {
   Capital,    ///< A, B, ... in bold
 };
 
+/// Draws the letter of panel `number` (>= 0), if there are letters, and a text to its right.
+void drawHead(Surface& surface, PanelLetters form, int number, const std::string& text, double left,
+              double baseline, int em, Colour colour);
+
 /// A row of a figure of several runs.
 struct GridRow {
   FrameSize picture;  ///< of each of its pictures, at most as wide as a cell

@@ -170,6 +170,27 @@ class FrameSurface : public Surface {
   Frame& frame_;
 };
 
+/// Draws on another surface, which must outlive it, from a corner of that one on.
+class ShiftedSurface : public Surface {
+ public:
+  /// `left` and `upper`: of the corner, pixels.
+  ShiftedSurface(Surface& surface, double left, double upper)
+      : surface_(surface), left_(left), upper_(upper) {}
+
+  void box(double left, double upper, double width, double height, Colour colour) override {
+    surface_.box(left_ + left, upper_ + upper, width, height, colour);
+  }
+  void text(const std::string& line, double left, double baseline, int em, Colour colour,
+            Weight weight) override {
+    surface_.text(line, left_ + left, upper_ + baseline, em, colour, weight);
+  }
+
+ private:
+  Surface& surface_;
+  double left_;
+  double upper_;
+};
+
 // ------------------------------------------------------------------------------------------------
 // Round numbers along an axis.
 

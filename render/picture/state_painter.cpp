@@ -323,6 +323,12 @@ StatePainter::StatePainter(FrameSize size, const Look& look, PictureContent cont
   show(look, std::move(content));
 }
 
+StatePainter::StatePainter(std::shared_ptr<const PictureSetup> setup)
+    : size_(setup->pictureSize()), smoothness_(Smoothness::Still), setup_(std::move(setup)) {
+  makeStrip(setup_->style(), setup_->colouring());
+  makePainter();
+}
+
 StatePainter::StatePainter(const StatePainter& other, Smoothness smoothness)
     : size_(other.size_),
       parts_(other.parts_),

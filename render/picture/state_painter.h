@@ -370,6 +370,9 @@ class StatePainter {
   StatePainter(FrameSize size, const Look& look, PictureContent content,
                const StripParts& parts = {}, Smoothness smoothness = Smoothness::Still);
 
+  /// Pictures of this setup without a strip. Throws OutputError if there is no graphics context.
+  explicit StatePainter(std::shared_ptr<const PictureSetup> setup);
+
   /// Another painter with the same setup, for the thread that makes it. Both give equal pictures of
   /// a state. Throws OutputError if there is no graphics context.
   explicit StatePainter(const StatePainter& other) : StatePainter(other, other.smoothness_) {}

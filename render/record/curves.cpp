@@ -22,6 +22,7 @@
 #include "render/output/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/label.h"
+#include "render/record/load_curve_file.h"
 #include "render/record/pace.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
@@ -123,7 +124,7 @@ std::vector<std::string> wordsOf(const std::string& line) {
 
 /// The column of a table as a separate run, in the group of the curve with that column.
 PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
-                     const trajectory::RunCurves& curves) {
+                     const std::vector<trajectory::CurveGroup>& groups) {
   std::istringstream lines(
       readTextFile(column.file, "give a table with commas between its columns"));
   std::string line;
@@ -155,7 +156,7 @@ PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
     curve.values.push_back(numberOf(words, up));
   }
   run.groups = {{column.name, "", false, {curve}}};
-  for (const trajectory::CurveGroup& group : curves.groups) {
+  for (const trajectory::CurveGroup& group : groups) {
     for (const trajectory::Curve& other : group.curves) {
       if (other.column != column.name) continue;
       curve.name = other.name;
@@ -264,6 +265,40 @@ std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& cu
 
 }  // namespace
 
+std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
+                                    const CurvesSettings& settings,
+                                    const CurvesObserver& observer) {
+  const bool hasLoadCurve =
+      std::ranges::any_of(runs, [](const NamedRun& run) { return run.loadCurve.has_value(); });
+  std::vector<PlottedRun> plotted;
+  std::vector<trajectory::CurveGroup> first;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const trajectory::RunCurves curves = trajectory::curvesOf(*runs[k].reader);
+    // The fraction of the motion at a time, as in a video at an even pace: 0 at the start, 1 at the
+    // end.
+    const MotionCurve motion = motionOf(*runs[k].reader);
+    std::vector<double> progress;
+    for (const double time : curves.times) progress.push_back(motion.shareAt(time));
+    if (observer) observer(k, curves, progress);
+    for (PlottedRun& load : selectedLoadCurves(runs[k], settings)) {
+      plotted.push_back(std::move(load));
+    }
+    plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
+                       abscissaOf(curves, progress, settings.against)});
+    if (k == 0) first = curves.groups;
+  }
+  for (const FileColumn& column : settings.columns) {
+    if (!runs.empty()) plotted.push_back(columnRun(column, settings.against, first));
+  }
+  return plotted;
+}
+
+NamedRun openRun(const std::filesystem::path& trajectory) {
+  auto reader = std::make_unique<trajectory::TrajectoryReader>(trajectory);
+  std::string name = std::filesystem::absolute(trajectory).parent_path().filename().string();
+  return {std::move(name), std::move(reader), readLoadCurve(trajectory)};
+}
+
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings) {
   const auto tableOf = [&runs](std::size_t run) {
@@ -276,34 +311,16 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
   files.requireFree([&names](const std::string& name) {
     return name == output::kContents || std::ranges::find(names, name) != names.end();
   });
-  const bool hasLoadCurve =
-      std::ranges::any_of(runs, [](const NamedRun& run) { return run.loadCurve.has_value(); });
-  std::vector<PlottedRun> plotted;
-  std::string models;
-  std::optional<trajectory::RunCurves> first;
-  for (std::size_t k = 0; k < runs.size(); ++k) {
-    const trajectory::TrajectoryReader& run = *runs[k].reader;
-    const trajectory::RunCurves curves = trajectory::curvesOf(run);
-    // The fraction of the motion at a time, as in a video at an even pace: 0 at the start, 1 at the
-    // end.
-    const MotionCurve motion = motionOf(run);
-    std::vector<double> progress;
-    for (const double time : curves.times) progress.push_back(motion.shareAt(time));
-    writeTextFile(files.stage() / tableOf(k), curvesTable(curves, progress));
-    models += (models.empty() ? "" : ", ") + run.subject().model.name;
-    if (settings.plots.empty()) continue;
-    for (PlottedRun& load : selectedLoadCurves(runs[k], settings)) {
-      plotted.push_back(std::move(load));
-    }
-    plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
-                       abscissaOf(curves, progress, settings.against)});
-    if (!first) first = curves;
-  }
-  for (const FileColumn& column : settings.columns) {
-    if (first) plotted.push_back(columnRun(column, settings.against, *first));
-  }
+  const std::vector<PlottedRun> plotted =
+      plottedRuns(runs, settings,
+                  [&](std::size_t run, const trajectory::RunCurves& curves,
+                      const std::vector<double>& progress) {
+                    writeTextFile(files.stage() / tableOf(run), curvesTable(curves, progress));
+                  });
+  std::vector<std::string> models;
+  for (const NamedRun& run : runs) models.push_back(run.reader->subject().model.name);
   PlotSettings plot = settings.plot;
-  plot.madeBy = fmt::format("Kirireel {}, model {}", programVersion(), models);
+  plot.madeBy = madeBy(models);
   for (const picture::PageFormat format : settings.plots) {
     writeTextFile(files.stage() / fileOf(format), plotCurves(plotted, format, plot));
   }
@@ -321,6 +338,8 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
 //     4.5 em for numbers | diagram, height = 0.5 width | 0.5 em
 //     2 em above it for its title, 4 em below for numbers and words
 //
+// In a panel of a page, the box of the panel gives width and height.
+//
 // The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). The
 // horizontal axis follows from the abscissa; it begins and ends with the curves. A position in a
 // diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
@@ -336,7 +355,11 @@ constexpr picture::Colour kGrid = {226, 229, 233};
 constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26},  {61, 139, 95},
                                       {148, 62, 130}, {120, 100, 20}, {70, 70, 76}};
 
-constexpr int kColumns = 2;
+/// Above and below a diagram, em.
+constexpr double kTitleEms = 2;
+constexpr double kBelowEms = 4;
+/// The least height of a diagram, em.
+constexpr double kLeastEms = 8;
 // Approximate number of ticks; makeAxis takes round values.
 constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
@@ -346,13 +369,7 @@ constexpr double kAspect = 0.5;
 constexpr double kDash = 0.5;
 constexpr double kGap = 0.3;
 
-/// A rectangle of the figure, pixels. y points down, as in pictures.
-struct Box {
-  double left, upper, width, height;
-
-  double right() const { return left + width; }
-  double lower() const { return upper + height; }
-};
+}  // namespace
 
 /// A line of a diagram.
 struct PlotLine {
@@ -374,6 +391,8 @@ struct Diagram {
   bool isLogarithmic = false;
   std::vector<PlotLine> lines;
 };
+
+namespace {
 
 /// In the order of the groups' first run. Names of runs if there are several, else of curves.
 std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
@@ -449,7 +468,7 @@ class Plotter {
   }
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
-  void draw(const Diagram& diagram, const Box& box) {
+  void draw(const Diagram& diagram, const picture::PageBox& box) {
     const picture::Axis up = axisOf(diagram);
     const picture::Axis& across = axes_.at(diagram.across);
     drawGrid(across, up, box);
@@ -486,12 +505,12 @@ class Plotter {
   }
 
   /// Pixels from two fractions of the box.
-  Eigen::Vector2d place(double across, double up, const Box& box) const {
+  Eigen::Vector2d place(double across, double up, const picture::PageBox& box) const {
     return {box.left + across * box.width, box.lower() - up * box.height};
   }
 
   /// Ticks and numbers of both axes, and the two axes themselves.
-  void drawGrid(const picture::Axis& across, const picture::Axis& up, const Box& box) {
+  void drawGrid(const picture::Axis& across, const picture::Axis& up, const picture::PageBox& box) {
     std::vector<picture::Canvas::Points> grid;
     for (std::size_t k = 0; k < up.ticks.size(); ++k) {
       const double share = up.shareOf(up.ticks[k]);
@@ -514,7 +533,8 @@ class Plotter {
   /// A line for each sequence of samples with values, and the dashes of dashed lines.
   std::vector<picture::Canvas::Points> linesOf(const PlotLine& line,
                                                const picture::Axis& acrossAxis,
-                                               const picture::Axis& up, const Box& box) const {
+                                               const picture::Axis& up,
+                                               const picture::PageBox& box) const {
     std::vector<picture::Canvas::Points> lines, dashes;
     picture::Canvas::Points points;
     bool isDashed = false;
@@ -551,7 +571,7 @@ class Plotter {
 
   /// Draws the diagram's name and unit on the left and the curves' names in their colours on the
   /// right. If they do not fit, the names are inside the diagram, one below the other.
-  void drawTitle(const Diagram& diagram, const Box& box) {
+  void drawTitle(const Diagram& diagram, const picture::PageBox& box) {
     const double baseline = box.upper - 0.6 * em_;
     const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
     const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "");
@@ -591,60 +611,84 @@ class Plotter {
 
 /// The places of the diagrams of a figure.
 struct PlotLayout {
-  int em = 0;
-  Box first{};        ///< the diagram at the upper left
-  double across = 0;  ///< from one diagram to the next
-  double down = 0;    ///< from one row to the next
-  picture::FrameSize size;
+  picture::PageBox first;  ///< the diagram at the upper left
+  double across = 0;       ///< from one diagram to the next
+  double down = 0;         ///< from one row to the next
+  int columns = 1;
 
-  Box box(int number) const {
-    Box result = first;
-    result.left += number % kColumns * across;
-    result.upper += number / kColumns * down;
+  picture::PageBox box(int number) const {
+    picture::PageBox result = first;
+    result.left += number % columns * across;
+    result.upper += number / columns * down;
     return result;
   }
 };
 
-PlotLayout layOut(int diagrams, const PlotSettings& settings) {
+/// At the upper left of a page, with the height that follows from the width.
+PlotLayout layOut(int diagrams, int em, double width, int columns) {
   PlotLayout layout;
-  layout.em =
-      std::max(4, static_cast<int>(std::lround(settings.fontPoints / picture::kPointsPerInch *
-                                               settings.dotsPerInch)));
-  const double em = layout.em;
-  const int columns = std::min(kColumns, diagrams);
-  const int rows = (diagrams + kColumns - 1) / kColumns;
-  // Never fewer than requested.
-  layout.size.width = static_cast<int>(
-      std::ceil(settings.width / picture::kMillimetresPerInch * settings.dotsPerInch - 1e-6));
-  // From here on in pixels without rounding.
-  layout.across = (layout.size.width - em) / columns;
+  layout.columns = std::min(columns, diagrams);
+  layout.across = (width - em) / layout.columns;
   const double wide = layout.across - 5 * em;
-  layout.first = {4.5 * em, 2 * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};
-  layout.down = layout.first.height + 6 * em;
-  layout.size.height = static_cast<int>(std::lround(rows * layout.down));
+  layout.first = {4.5 * em, kTitleEms * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};
+  layout.down = layout.first.height + (kTitleEms + kBelowEms) * em;
   return layout;
 }
 
 }  // namespace
 
+PlotSheet::PlotSheet(const std::vector<PlottedRun>& runs, int em)
+    : runs_(runs), diagrams_(diagramsOf(runs)), em_(em) {
+  if (diagrams_.empty()) throw InputError("error: the run has no curve to plot");
+}
+
+PlotSheet::~PlotSheet() = default;
+
+int PlotSheet::rows(int columns) const {
+  return (static_cast<int>(diagrams_.size()) + columns - 1) / columns;
+}
+
+double PlotSheet::height(double width, int columns) const {
+  const auto diagrams = static_cast<int>(diagrams_.size());
+  return rows(columns) * layOut(diagrams, em_, width, columns).down;
+}
+
+double PlotSheet::leastHeight(int columns) const {
+  return rows(columns) * (kLeastEms + kTitleEms + kBelowEms) * em_;
+}
+
+void PlotSheet::draw(picture::Canvas& page, const picture::PageBox& box, int columns,
+                     const std::string& prefix) const {
+  PlotLayout layout = layOut(static_cast<int>(diagrams_.size()), em_, box.width, columns);
+  layout.first.left += box.left;
+  layout.first.upper += box.upper;
+  if (box.height > 0) {
+    layout.down = box.height / rows(columns);
+    layout.first.height = layout.down - (kTitleEms + kBelowEms) * em_;
+  }
+  Plotter plotter(page, em_, runs_);
+  for (std::size_t k = 0; k < diagrams_.size(); ++k) {
+    page.begin(prefix + "curves_" + std::to_string(k + 1));
+    plotter.draw(diagrams_[k], layout.box(static_cast<int>(k)));
+    page.end();
+  }
+}
+
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings) {
-  const std::vector<Diagram> diagrams = diagramsOf(runs);
-  if (diagrams.empty()) throw InputError("error: the run has no curve to plot");
-  const PlotLayout layout = layOut(static_cast<int>(diagrams.size()), settings);
-  picture::requireValidSize(layout.size);
+  const int em = std::max(4, picture::emOf(settings.fontPoints, settings.dotsPerInch));
+  const PlotSheet sheet(runs, em);
+  picture::FrameSize size;
+  size.width = picture::pixelsOf(settings.width, settings.dotsPerInch);
+  size.height = static_cast<int>(std::lround(sheet.height(size.width, PlotSheet::kColumns)));
+  picture::requireValidSize(size);
   const std::unique_ptr<picture::Canvas> canvas =
-      picture::makeCanvas(format, {.size = layout.size,
+      picture::makeCanvas(format, {.size = size,
                                    .pixelsPerInch = settings.dotsPerInch,
-                                   .outline = kFrame,
+                                   .outlines = {.colour = kFrame},
                                    .fontFamily = picture::fontFamily(),
                                    .description = settings.madeBy});
-  Plotter plotter(*canvas, layout.em, runs);
-  for (std::size_t k = 0; k < diagrams.size(); ++k) {
-    canvas->begin("curves_" + std::to_string(k + 1));
-    plotter.draw(diagrams[k], layout.box(static_cast<int>(k)));
-    canvas->end();
-  }
+  sheet.draw(*canvas, {.width = static_cast<double>(size.width)}, PlotSheet::kColumns, "");
   return canvas->finish();
 }
 

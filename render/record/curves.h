@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,6 +50,39 @@ struct PlotSettings {
 /// values or a figure has more pixels than a frame may have, OutputError if the font is missing.
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings);
+
+struct Diagram;
+
+/// The diagrams of curves, to be drawn on a page. The runs must outlive it.
+class PlotSheet {
+ public:
+  /// Text is `em` pixels high. Throws InputError if no group has values.
+  PlotSheet(const std::vector<PlottedRun>& runs, int em);
+  ~PlotSheet();
+  PlotSheet(const PlotSheet&) = delete;
+  PlotSheet& operator=(const PlotSheet&) = delete;
+
+  /// Height of all diagrams in this width, `columns` per row; pixels.
+  double height(double width, int columns) const;
+
+  /// Least height at which curves can be read, pixels.
+  double leastHeight(int columns) const;
+
+  /// Draws all diagrams into a box, as parts whose names begin with `prefix`. Without a height the
+  /// box is as high as height(). Throws OutputError if the font is missing.
+  void draw(picture::Canvas& page, const picture::PageBox& box, int columns,
+            const std::string& prefix) const;
+
+  /// Columns in a figure, unless it has fewer diagrams.
+  static constexpr int kColumns = 2;
+
+ private:
+  int rows(int columns) const;
+
+  const std::vector<PlottedRun>& runs_;
+  std::vector<Diagram> diagrams_;
+  int em_;
+};
 
 /// The curves with these names: of groups ("target_error", "opening") or of columns without
 /// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves.
@@ -102,6 +136,20 @@ struct CurvesSettings {
 /// joint last. Numbers read back bitwise equal. Empty fields are missing values. `progress` has one
 /// entry per sample, [0, 1].
 std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress);
+
+/// Called with the number of a run, its curves, and the completed fraction of the motion at each
+/// sample.
+using CurvesObserver = std::function<void(std::size_t run, const trajectory::RunCurves& curves,
+                                          const std::vector<double>& progress)>;
+
+/// The selected curves of runs, in the form for a figure. Reads each trajectory once. Throws
+/// InputError if a run lacks the quantity of the axis or a selected curve.
+std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
+                                    const CurvesSettings& settings,
+                                    const CurvesObserver& observer = {});
+
+/// Opens the run of a trajectory.h5, with the name of its folder. Throws like TrajectoryReader.
+NamedRun openRun(const std::filesystem::path& trajectory);
 
 /// Writes curves.csv and the figures to the folder, all or none, and lists them in
 /// contents.json. Several runs have one table each, curves_1.csv and so on, and one figure.

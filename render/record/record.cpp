@@ -302,13 +302,6 @@ void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   summary.files.emplace_back(output::kLoadCurve);
 }
 
-/// Author and source of a run's pictures, for the metadata of PNG, SVG, PDF and video
-/// files.
-std::string madeBy(const std::string& model, const std::string& order) {
-  const std::string text = fmt::format("Kirireel {}, model {}", programVersion(), model);
-  return order.empty() ? text : fmt::format("{}, order {}", text, order);
-}
-
 /// Sets up the graphics library, which reports missing parts before a simulation. Making a
 /// context takes a moment, but a run of hours without pictures costs more.
 void prepareGraphics(const PictureSettings& settings) {
@@ -444,7 +437,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });
   RecordSettings settings = asked;
   settings.folder = files.stage();
-  settings.madeBy = madeBy(scene.model.name, settings.order);
+  settings.madeBy = madeBy({scene.model.name}, settings.order);
   // One scale held for the start and the target; it must hold for a motion that leaves their plane.
   if (settings.scaleBar) settings.look.camera.orthographic = true;
 
@@ -498,7 +491,7 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   });
   PictureSettings aside = settings;
   aside.folder = files.stage();
-  aside.madeBy = madeBy(run.subject().model.name, "");
+  aside.madeBy = madeBy({run.subject().model.name});
   PictureReport report;
   prepareGraphics(settings);
   makePictures(run, aside, observer, report);
@@ -517,18 +510,18 @@ PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectorie
   requireValidSettings(settings);
   std::vector<std::unique_ptr<trajectory::TrajectoryReader>> opened;
   std::vector<const trajectory::TrajectoryReader*> runs;
-  std::string models;
+  std::vector<std::string> models;
   for (const std::filesystem::path& trajectory : trajectories) {
     opened.push_back(std::make_unique<trajectory::TrajectoryReader>(trajectory));
     runs.push_back(opened.back().get());
-    models += (models.empty() ? "" : ", ") + runs.back()->subject().model.name;
+    models.push_back(runs.back()->subject().model.name);
   }
   output::FileSet files(settings.folder, output::kContents);
   files.requireFree([&settings](const std::string& name) {
     return name == output::kContents || isPicture(name, settings);
   });
   settings.folder = files.stage();
-  settings.madeBy = madeBy(models, "");
+  settings.madeBy = madeBy(models);
   PictureReport report;
   prepareGraphics(settings);
   const std::vector<PanelRow> rows = figureRows(runs, settings);

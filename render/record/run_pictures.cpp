@@ -463,15 +463,17 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 namespace {
 
 /// Outlines have the same width as in the pictures, in pixels of their height.
+picture::OutlineStyle outlinesOf(const picture::PictureSetup& setup) {
+  const picture::Style& style = setup.style();
+  const int height = setup.pictureSize().height;
+  return {style.edge, style.paleEdge, style.slitWidth * height, style.silhouetteWidth * height};
+}
+
 picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::FrameSize size,
                                    const std::string& description) {
-  const picture::Style& style = setup.style();
   return {.size = size,
-          .background = style.background,
-          .outline = style.edge,
-          .paleOutline = style.paleEdge,
-          .slitWidth = style.slitWidth * setup.pictureSize().height,
-          .silhouetteWidth = style.silhouetteWidth * setup.pictureSize().height,
+          .background = setup.style().background,
+          .outlines = outlinesOf(setup),
           .fontFamily = picture::fontFamily(),
           .description = description};
 }
@@ -486,20 +488,28 @@ picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
-/// Paints all pictures again, each row in its size, uncut.
-void PanelSheet::paintAll(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch) {
-  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  painters_.clear();
-  pictures_.clear();
+/// Sets the size of each row's pictures.
+void PanelSheet::setUp(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch) {
+  setups_.clear();
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const picture::FrameSize size =
         picture::PictureBox{0, 0, settings_.size}.scaled(cuts[row].scale).size;
     picture::Look look = rows_[row].look;
     look.pixelsPerInch = pixelsPerInch;
-    painters_.push_back(std::make_unique<picture::StatePainter>(size, look, rows_[row].content));
+    setups_.push_back(
+        std::make_shared<const picture::PictureSetup>(look, rows_[row].content, size));
+  }
+}
+
+/// Paints all pictures again, each row in its size, uncut.
+void PanelSheet::paintAll() {
+  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
+  pictures_.clear();
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    picture::StatePainter painter(setups_[row]);
     for (std::size_t k = 0; k < rows_[row].states.size(); ++k) {
       pictures_.push_back(
-          {painters_.back()->paint(shownState(rows_[row].states[k])), rows_[row].captions[k]});
+          {painter.paint(shownState(rows_[row].states[k])), rows_[row].captions[k]});
     }
   }
 }
@@ -539,13 +549,13 @@ std::vector<PanelSheet::Cut> PanelSheet::enlarged(std::vector<Cut> cuts, double 
 
 /// The scales of the first row, unless each row has its own.
 picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
-  const picture::PictureSetup& setup = painters_.front()->setup();
+  const picture::PictureSetup& setup = *setups_.front();
   picture::GridStyle style;
   style.background = setup.style().background;
   style.text = setup.style().text;
   style.colourScale = setup.colourScale();
-  for (const auto& painter : painters_) {
-    for (const picture::LegendEntry& entry : painter->setup().legend()) {
+  for (const auto& rowSetup : setups_) {
+    for (const picture::LegendEntry& entry : rowSetup->legend()) {
       const auto isSame = [&entry](const picture::LegendEntry& other) {
         return other.text == entry.text && other.colour == entry.colour;
       };
@@ -560,7 +570,7 @@ picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
   for (std::size_t row = 0; hasSeveralRuns() && row < rows_.size(); ++row) {
     style.rows.push_back({cuts[row].part.size, rows_[row].head, std::nullopt});
     if (settings_.scaleBar && ownScales) {
-      style.rows.back().metresPerPixel = painters_[row]->setup().metresPerPixel();
+      style.rows.back().metresPerPixel = setups_[row]->metresPerPixel();
     }
   }
   return style;
@@ -575,17 +585,23 @@ picture::GridLayout PanelSheet::layOut(const std::vector<Cut>& cuts,
     largest.width = std::max(largest.width, cut.part.size.width);
     largest.height = std::max(largest.height, cut.part.size.height);
   }
-  if (settings_.fontPoints) {
+  if (em_ || settings_.fontPoints) {
     style.textSize = textSize(picture::layOutGrid(largest, shape_, style));
   }
   return picture::layOutGrid(largest, shape_, style, picture::captionsOf(pictures_));
+}
+
+/// The final layout.
+void PanelSheet::layOut() {
+  style_ = gridStyle(cuts_);
+  layout_ = layOut(cuts_, style_);
 }
 
 /// Each picture as vector graphics.
 void PanelSheet::writeDrawings() {
   int number = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const picture::PictureSetup& setup = painters_[row]->setup();
+    const picture::PictureSetup& setup = *setups_[row];
     for (const FrameState& state : rows_[row].states) {
       const picture::ShownState shown = shownState(state);
       report_.files.push_back(output::snapshotDrawing(++number).string());
@@ -598,11 +614,9 @@ void PanelSheet::writeDrawings() {
   }
 }
 
-/// Enlargement of pictures for the sheet's width in print, with at least the requested dots per
-/// inch; less if pictures would be too large.
-double PanelSheet::enlargement(const std::vector<Cut>& cuts) const {
-  const double requested =
-      *settings_.gridWidth / picture::kMillimetresPerInch * settings_.gridDotsPerInch();
+/// Enlargement of pictures for a width of the sheet, pixels. The sheet is not narrower, unless
+/// pictures would be too large, and wider by at most one pixel per column.
+double PanelSheet::enlargement(const std::vector<Cut>& cuts, double requested) const {
   const auto widthAt = [&](double factor) {
     const std::vector<Cut> larger = enlarged(cuts, factor);
     picture::GridStyle style = gridStyle(larger);
@@ -629,68 +643,102 @@ double PanelSheet::pixelsPerInch(const picture::GridLayout& layout) const {
 
 /// Em of text with a size in print, pixels.
 int PanelSheet::textSize(const picture::GridLayout& layout) const {
-  return std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / picture::kPointsPerInch *
-                                                  pixelsPerInch(layout))));
+  if (em_) return *em_;
+  return picture::emOf(*settings_.fontPoints, pixelsPerInch(layout));
 }
 
-/// Each picture is clipped to its part, as cutAlike() does with pixels.
-void PanelSheet::writePage(picture::PageFormat format, const std::vector<Cut>& cuts,
-                           const picture::GridLayout& layout, const picture::GridStyle& style) {
-  picture::PageSettings page =
-      pageSettings(painters_.front()->setup(), layout.sheet, settings_.madeBy);
-  if (settings_.gridWidth) page.pixelsPerInch = pixelsPerInch(layout);
-  const std::unique_ptr<picture::Canvas> canvas = picture::makeCanvas(format, page);
-  canvas->begin("pictures");
+/// Each picture is clipped to its part, as cutOut() does with pixels.
+void PanelSheet::drawAll(picture::Canvas& page, const Eigen::Vector2d& corner,
+                         const std::string& prefix) {
+  page.begin(prefix + "pictures");
   int cell = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const picture::PictureSetup& setup = painters_[row]->setup();
-    const picture::PictureBox& part = cuts[row].part;
+    const picture::PictureSetup& setup = *setups_[row];
+    const picture::PictureBox& part = cuts_[row].part;
     for (const FrameState& state : rows_[row].states) {
-      const Eigen::Vector2d corner(layout.left(cell % shape_.columns, cell / shape_.columns),
-                                   layout.upper(cell / shape_.columns));
-      const std::string name = fmt::format("picture_{:02}", ++cell);
+      const Eigen::Vector2d upperLeft =
+          corner + Eigen::Vector2d(layout_.left(cell % shape_.columns, cell / shape_.columns),
+                                   layout_.upper(cell / shape_.columns));
+      const std::string name = fmt::format("{}picture_{:02}", prefix, ++cell);
       const picture::ShownState shown = shownState(state);
-      canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
+      page.beginWithin(name, upperLeft.x(), upperLeft.y(), part.size.width, part.size.height);
       picture::drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(),
-                            corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
-      canvas->end();
+                            upperLeft - Eigen::Vector2d(part.left, part.upper), name, page);
+      page.end();
     }
   }
-  canvas->end();
-  canvas->begin("text");
-  picture::drawGridText(*canvas, layout, style, picture::captionsOf(pictures_), shape_.columns);
-  canvas->end();
+  page.end();
+  page.begin(prefix + "text");
+  picture::ShiftedSurface surface(page, corner.x(), corner.y());
+  picture::drawGridText(surface, layout_, style_, picture::captionsOf(pictures_), shape_.columns);
+  page.end();
+}
+
+void PanelSheet::writePage(picture::PageFormat format) {
+  picture::PageSettings page = pageSettings(*setups_.front(), layout_.sheet, settings_.madeBy);
+  if (settings_.gridWidth) page.pixelsPerInch = pixelsPerInch(layout_);
+  const std::unique_ptr<picture::Canvas> canvas = picture::makeCanvas(format, page);
+  drawAll(*canvas, {0, 0}, "");
   report_.files.emplace_back(pageFile(format));
   writeTextFile(settings_.folder / report_.files.back(), canvas->finish());
 }
 
 void PanelSheet::write() {
-  paintAll(std::vector<Cut>(rows_.size()), std::nullopt);
+  setUp(std::vector<Cut>(rows_.size()), std::nullopt);
+  paintAll();
   if (settings_.svg) writeDrawings();
-  std::vector<Cut> cuts = findCuts();
+  cuts_ = findCuts();
   // Lines have the same width in all rows.
   double resolution = picture::pixelsPerInchOf(settings_.size);
   if (settings_.gridWidth) {
-    cuts = enlarged(cuts, enlargement(cuts));
-    picture::GridStyle style = gridStyle(cuts);
-    resolution = pixelsPerInch(layOut(cuts, style));
+    cuts_ = enlarged(cuts_, enlargement(cuts_, *settings_.gridWidth / picture::kMillimetresPerInch *
+                                                   settings_.gridDotsPerInch()));
+    layOut();
+    resolution = pixelsPerInch(layout_);
   }
-  const bool isEnlarged = std::ranges::any_of(cuts, [](const Cut& cut) { return cut.scale != 1; });
-  if (settings_.gridWidth || isEnlarged) paintAll(cuts, resolution);
+  const bool isEnlarged = std::ranges::any_of(cuts_, [](const Cut& cut) { return cut.scale != 1; });
+  if (settings_.gridWidth || isEnlarged) {
+    setUp(cuts_, resolution);
+    paintAll();
+  }
   std::size_t picture = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     for (std::size_t k = 0; k < rows_[row].states.size(); ++k, ++picture) {
-      pictures_[picture].frame = picture::cutOut(pictures_[picture].frame, cuts[row].part);
+      pictures_[picture].frame = picture::cutOut(pictures_[picture].frame, cuts_[row].part);
     }
   }
-  picture::GridStyle style = gridStyle(cuts);
-  const picture::GridLayout layout = layOut(cuts, style);
+  layOut();
   picture::PngSettings png = pngSettings(settings_);
-  if (settings_.gridWidth) png.dotsPerInch = pixelsPerInch(layout);
-  picture::writePng(picture::composeGrid(pictures_, shape_, style),
+  if (settings_.gridWidth) png.dotsPerInch = pixelsPerInch(layout_);
+  picture::writePng(picture::composeGrid(pictures_, shape_, style_),
                     settings_.folder / output::kSnapshots, png);
   report_.files.emplace_back(output::kSnapshots);
-  for (const picture::PageFormat format : settings_.pages) writePage(format, cuts, layout, style);
+  for (const picture::PageFormat format : settings_.pages) writePage(format);
+}
+
+picture::FrameSize PanelSheet::fit(double width, int em, double pixelsPerInch) {
+  em_ = em;
+  if (painted_.empty()) {
+    setUp(std::vector<Cut>(rows_.size()), std::nullopt);
+    paintAll();
+    painted_ = findCuts();
+  }
+  cuts_ = enlarged(painted_, enlargement(painted_, width - shape_.columns));
+  setUp(cuts_, pixelsPerInch);
+  layOut();
+  return layout_.sheet;
+}
+
+void PanelSheet::draw(picture::Canvas& page, const Eigen::Vector2d& corner,
+                      const std::string& name) {
+  page.begin(name);
+  page.setOutlines(outlinesOf(*setups_.front()));
+  const picture::Colour background = setups_.front()->style().background;
+  if (background != picture::PageSettings().background) {
+    page.box(corner.x(), corner.y(), layout_.sheet.width, layout_.sheet.height, background);
+  }
+  drawAll(page, corner, name + '_');
+  page.end();
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -723,11 +771,12 @@ picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> ru
 }
 
 /// Reads the motion of the run and the states for its pictures.
-PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
+PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+                 int states) {
   PanelRow row{settings.look, contentOf(run, settings), {}, {}, {}};
   const MotionCurve motion = motionOf(run);
   Replay replayed(run);
-  for (const FrameMoment& moment : snapshotMoments(motion, settings, settings.grid.columns)) {
+  for (const FrameMoment& moment : snapshotMoments(motion, settings, states)) {
     row.states.push_back({moment, replayed.at(moment.time)});
   }
   const CaptionWriter writer(settings.captionParts(), row.content);
@@ -759,8 +808,11 @@ std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* c
                                  const PictureSettings& asked) {
   PictureSettings settings = asked;
   settings.look = sharedLook(runs, asked);
+  const int states = runs.size() == 1 ? settings.grid.cells() : settings.grid.columns;
   std::vector<PanelRow> rows;
-  for (const trajectory::TrajectoryReader* run : runs) rows.push_back(makeRow(*run, settings));
+  for (const trajectory::TrajectoryReader* run : runs) {
+    rows.push_back(makeRow(*run, settings, states));
+  }
   shareScales(settings, rows);
   return rows;
 }

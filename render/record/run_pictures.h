@@ -207,6 +207,13 @@ class PanelSheet {
   /// every picture once, or twice if the sheet has a width in print.
   void write();
 
+  /// Fits the sheet to a page: at most `width` pixels wide, with text of `em` pixels. Paints every
+  /// picture once, at the first call. Returns the sheet's size.
+  picture::FrameSize fit(double width, int em, double pixelsPerInch);
+
+  /// Draws the fitted sheet on a page as a part with this name, from this corner on.
+  void draw(picture::Canvas& page, const Eigen::Vector2d& corner, const std::string& name);
+
  private:
   /// Enlargement and cut of the pictures in a row.
   struct Cut {
@@ -215,33 +222,41 @@ class PanelSheet {
   };
 
   bool hasSeveralRuns() const { return rows_.size() > 1; }
-  void paintAll(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch);
+  void setUp(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch);
+  void paintAll();
   std::vector<Cut> findCuts();
   std::vector<Cut> enlarged(std::vector<Cut> cuts, double factor) const;
   picture::GridLayout layOut(const std::vector<Cut>& cuts, picture::GridStyle& style) const;
+  void layOut();
   void writeDrawings();
-  double enlargement(const std::vector<Cut>& cuts) const;
+  double enlargement(const std::vector<Cut>& cuts, double width) const;
   double pixelsPerInch(const picture::GridLayout& layout) const;
   picture::GridStyle gridStyle(const std::vector<Cut>& cuts) const;
   int textSize(const picture::GridLayout& layout) const;
-  void writePage(picture::PageFormat format, const std::vector<Cut>& cuts,
-                 const picture::GridLayout& layout, const picture::GridStyle& style);
+  void drawAll(picture::Canvas& page, const Eigen::Vector2d& corner, const std::string& prefix);
+  void writePage(picture::PageFormat format);
 
   const std::vector<PanelRow>& rows_;
   picture::GridShape shape_;
   const PictureSettings& settings_;
   PictureReport& report_;
-  std::vector<std::unique_ptr<picture::StatePainter>> painters_;  ///< one per row
+  std::vector<std::shared_ptr<const picture::PictureSetup>> setups_;  ///< one per row
   std::vector<picture::GridPicture> pictures_;
+  std::optional<int> em_;     ///< of text on a page, see fit()
+  std::vector<Cut> painted_;  ///< of the pictures as painted first
+  std::vector<Cut> cuts_;     ///< of the final layout, with the next two
+  picture::GridStyle style_;
+  picture::GridLayout layout_;
 };
 
 // ------------------------------------------------------------------------------------------------
 // Figures of several runs, one row of pictures each.
 
-/// The rows of a figure with settings.grid.columns states of each run. All pictures have a common
-/// colour scale. With sameView they have the view of the first run, with sameScale a common scale
-/// of length. Throws InputError if there is no common scale: in perspective or with a moving
-/// camera. At least one run. The readers must stay open while rows are made.
+/// The rows of a figure with settings.grid.columns states of each run. A single run has as many
+/// states as the grid has cells. All pictures have a common colour scale. With sameView they have
+/// the view of the first run, with sameScale a common scale of length. Throws InputError if there
+/// is no common scale: in perspective or with a moving camera. At least one run. The readers must
+/// stay open while rows are made.
 std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& settings);
 

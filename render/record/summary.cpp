@@ -27,6 +27,7 @@
 
 #include <Eigen/Core>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "render/picture/png.h"
@@ -425,6 +426,12 @@ std::string settingsText(const scene::Scene& scene, const RecordSettings& settin
 
 std::string programVersion() {
   return KIRIREEL_VERSION;
+}
+
+std::string madeBy(const std::vector<std::string>& models, const std::string& order) {
+  const std::string text =
+      fmt::format("Kirireel {}, model {}", programVersion(), fmt::join(models, ", "));
+  return order.empty() ? text : fmt::format("{}, order {}", text, order);
 }
 
 std::vector<std::pair<std::string, std::string>> allVersions() {

@@ -40,6 +40,10 @@ std::string settingsText(const scene::Scene& scene, const RecordSettings& settin
 /// The program's own version, e.g. "0.1.0".
 std::string programVersion();
 
+/// Author and source of a run's pictures, for the metadata of PNG, SVG, PDF and video files.
+/// `order`: fingerprint of the run; may be empty.
+std::string madeBy(const std::vector<std::string>& models, const std::string& order = "");
+
 /// Names and versions, the program first. Part of the fingerprint of every run, because another
 /// library may give other bytes.
 std::vector<std::pair<std::string, std::string>> allVersions();

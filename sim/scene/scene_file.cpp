@@ -45,23 +45,6 @@ Vector3 readPoint(const TomlValue& value) {
   return result;
 }
 
-// ---- settings
-
-// A setting as texts. settings.h checks them.
-SceneSetting readSetting(const std::string& table, const TomlEntry& entry) {
-  const TomlValue& value = entry.value;
-  SceneSetting setting{table, entry.key, {}, value.truth() != nullptr, value.where};
-  const std::vector<TomlValue>* array = value.array();
-  // An array of numbers is one value, such as gravity. Any other array has several values.
-  const bool several = array && !array->empty() && !array->front().number();
-  if (!several) {
-    setting.values = {typedText(value)};
-  } else {
-    for (const TomlValue& element : *array) setting.values.push_back(typedText(element));
-  }
-  return setting;
-}
-
 // ---- timeline
 
 using namespace timeline;
@@ -389,6 +372,26 @@ std::vector<InitialVelocity> readVelocities(const TomlValue& value) {
 
 }  // namespace
 
+SceneSetting settingOf(const std::string& table, const TomlEntry& entry) {
+  const TomlValue& value = entry.value;
+  SceneSetting setting{table, entry.key, {}, value.truth() != nullptr, value.where};
+  const std::vector<TomlValue>* array = value.array();
+  // An array of numbers is one value, such as gravity. Any other array has several values.
+  const bool several = array && !array->empty() && !array->front().number();
+  if (!several) {
+    setting.values = {typedText(value)};
+  } else {
+    for (const TomlValue& element : *array) setting.values.push_back(typedText(element));
+  }
+  return setting;
+}
+
+InputError locatedAt(const FileLocation& where, const InputError& error) {
+  constexpr std::string_view kMark = "error: ";
+  const std::string message = error.what();
+  return message.starts_with(kMark) ? inputErrorAt(where, message.substr(kMark.size())) : error;
+}
+
 std::string entriesText(const SceneFile& file, bool withFileNames) {
   // Files of obstacles, and targets of timelines other than the model's own.
   const auto namesFile = [](const TomlEntry& entry) {
@@ -443,7 +446,7 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
     const TomlTable* table = entry.value.table();
     if (!table) refuseValue(entry.value, fmt::format("a table, [{}]", entry.key));
     for (const TomlEntry& setting : *table) {
-      file.settings.push_back(readSetting(entry.key, setting));
+      file.settings.push_back(settingOf(entry.key, setting));
     }
   }
   return file;

@@ -21,6 +21,12 @@ struct SceneSetting {
   FileLocation where;               ///< of the value
 };
 
+/// A key of a table as a setting.
+SceneSetting settingOf(const std::string& table, const TomlEntry& entry);
+
+/// An error of a setting with its position in a file. Unchanged if it has a position.
+InputError locatedAt(const FileLocation& where, const InputError& error);
+
 /// Contents of a scene file.
 struct SceneFile {
   std::filesystem::path path;          ///< of the scene file

@@ -311,7 +311,7 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
   EXPECT_EQ(messageOf({}),
             "error: no command given; choose record, simulate, render, export, generate, inspect, "
-            "convert, models, study, page, curves, sweep or verify, see "
+            "convert, models, study, page, curves, figure, sweep or verify, see "
             "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");

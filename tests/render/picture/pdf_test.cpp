@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 /// A page of 180 x 90 mm at 300 dots an inch, with its font at 7 points.
 const picture::PageSettings kPage = {.size = {2126, 1063},
                                      .pixelsPerInch = 300,
-                                     .outline = {38, 50, 66},
+                                     .outlines = {.colour = {38, 50, 66}},
                                      .fontFamily = "DejaVu Sans",
                                      .description = "Kirireel 0.1.0, model fan & co"};
 constexpr int kEm = 29;  // 7 pt * 300 / 72

@@ -37,13 +37,13 @@ struct Scenery {
   std::string svg() const {
     picture::PictureGeometry geometry;
     picture::GeometryBuilder(sample.bricks, style).draw(items, camera, geometry);
-    const std::unique_ptr<picture::Canvas> page =
-        picture::makeSvgCanvas({.size = kSize,
-                                .background = style.background,
-                                .outline = style.edge,
-                                .slitWidth = style.slitWidth * kSize.height,
-                                .silhouetteWidth = style.silhouetteWidth * kSize.height,
-                                .fontFamily = "DejaVu Sans"});
+    const std::unique_ptr<picture::Canvas> page = picture::makeSvgCanvas(
+        {.size = kSize,
+         .background = style.background,
+         .outlines = {.colour = style.edge,
+                      .slitWidth = style.slitWidth * kSize.height,
+                      .silhouetteWidth = style.silhouetteWidth * kSize.height},
+         .fontFamily = "DejaVu Sans"});
     picture::drawGeometry(geometry, camera, kSize, {0, 0}, "", *page);
     return page->finish();
   }
@@ -249,6 +249,38 @@ TEST(Svg, OutlinesAreOverAllFaces) {
   EXPECT_GT(svg.find("<path class=\"outline"), layer);
   scenery.style.slitWidth = 0;
   EXPECT_EQ(scenery.svg().find("outlines"), std::string::npos);
+}
+
+// Oracle: the same page by Cairo.
+TEST(Svg, OutlinesBelongToTheirPart) {
+  if (!test::hasProgram("rsvg-convert")) GTEST_SKIP() << "install librsvg2-bin to draw SVG files";
+  constexpr picture::Colour kBlack = {0, 0, 0}, kBlue = {0, 0, 255}, kWhite = {255, 255, 255};
+  const picture::PageSettings settings = {.size = {60, 30},
+                                          .outlines = {.colour = kBlack, .slitWidth = 2}};
+  const auto drawn = [&](picture::PageFormat format) {
+    const std::unique_ptr<picture::Canvas> page = picture::makeCanvas(format, settings);
+    page->begin("blue");
+    page->setOutlines({.colour = kBlue, .slitWidth = 8, .silhouetteWidth = 9});
+    EXPECT_EQ(page->silhouetteWidth(), 9);
+    page->begin("inner");
+    page->outlines({{{10, 0}, {10, 30}}}, picture::Canvas::Line::Slit);
+    page->end();
+    page->end();
+    page->begin("black");
+    EXPECT_EQ(page->silhouetteWidth(), 1.5);
+    page->outlines({{{40, 0}, {40, 30}}}, picture::Canvas::Line::Slit);
+    page->end();
+    return page->finish();
+  };
+  const test::TemporaryFolder folder;
+  writeTextFile(folder / "page.png", drawn(picture::PageFormat::Png));
+  for (const picture::Frame& frame :
+       {rasterised(drawn(picture::PageFormat::Svg)), picture::readPng(folder / "page.png")}) {
+    EXPECT_EQ(frame.at(10, 15), kBlue);
+    EXPECT_EQ(frame.at(12, 15), kBlue);
+    EXPECT_EQ(frame.at(40, 15), kBlack);
+    EXPECT_EQ(frame.at(43, 15), kWhite);
+  }
 }
 
 }  // namespace
