@@ -4,7 +4,7 @@
 #include "render/cli/figure_command.h"
 
 #include <algorithm>
-#include <memory>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -31,6 +31,8 @@ constexpr const char* kPanel = "panel";
 constexpr const char* kCurves = "curves";
 constexpr const char* kColumn = "column";
 constexpr const char* kRun = "run";
+/// Of the options of every panel.
+constexpr const char* kPanelGroup = "Panel";
 /// States of a run in a panel.
 constexpr picture::GridShape kPanelGrid = {1, 3};
 
@@ -112,7 +114,7 @@ void addPanelOptions(OptionGroup& group, const fs::path& folder, record::FigureP
 void readPlot(const scene::TomlTable& table, const fs::path& folder, record::FigurePanel& panel) {
   record::CurvesSettings& curves = panel.curves.emplace();
   TableOptions options("key of a plot");
-  OptionGroup group(options.app(), "Panel");
+  OptionGroup group(options.app(), kPanelGroup);
   addPanelOptions(group, folder, panel);
   addPlotOptions(group, curves);
   options.read(table);
@@ -124,17 +126,22 @@ void readPictures(const scene::TomlTable& table, const fs::path& folder,
   panel.pictures.grid = kPanelGrid;
   TableOptions options("key of a panel of pictures");
   CLI::App& app = options.app();
-  OptionGroup group(app, "Panel");
-  addPanelOptions(group, folder, panel);
+  OptionGroup own(app, kPanelGroup);
+  addPanelOptions(own, folder, panel);
+  OptionGroup group(app, "Pictures");
   addGridOptions(group, panel.pictures);
   addRowOptions(group, panel.pictures);
   addLookOptions(app, panel.pictures.look);
   // Pages are opaque.
   app.remove_option(app.get_option("--transparent"));
   options.read(table);
+  std::set<std::string> given = givenOptions(app);
+  // `render` has other options of the same names, such as --title.
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group() == kPanelGroup) given.erase(option->get_name());
+  }
   try {
-    requireEffect({.command = &app, .pictures = &panel.pictures, .runs = panel.runs.size()},
-                  givenOptions(app));
+    requireEffect({.command = &app, .pictures = &panel.pictures, .runs = panel.runs.size()}, given);
   } catch (const InputError& error) {
     throw scene::locatedAt(panel.where, error);
   }

@@ -142,14 +142,14 @@ class SvgCanvas : public Canvas {
   void open(const std::string& name);
 
   /// An open group; the first one is the page.
-  struct Part {
+  struct SvgGroup {
     std::string name;
     double silhouetteWidth;
   };
 
   std::string file_;
   std::string fontFamily_;
-  std::vector<Part> parts_;
+  std::vector<SvgGroup> parts_;
   int clips_ = 0;
 };
 
@@ -352,11 +352,11 @@ struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
   cairo_t* pen = nullptr;
   /// An open part; the first one is the page.
-  struct Part {
+  struct CairoPart {
     double opacity;
     OutlineStyle outlines;
   };
-  std::vector<Part> parts;
+  std::vector<CairoPart> parts;
   std::string fontFamily;
   std::map<FontFile, cairo_font_face_t*> fonts;  ///< of shaped text
 

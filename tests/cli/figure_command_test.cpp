@@ -94,7 +94,7 @@ TEST_F(FigureFileTest, HasRowsOfPanels) {
 
 TEST_F(FigureFileTest, NamesWhatExists) {
   EXPECT_EQ(refusal("rows = [[\"b\"]]\n[panel.a]\nrun = \"cap\"\n[panel.c]\nrun = \"fan\"\n"),
-            "@/page.toml:1:10: error: there is no panel b; there are a, c");
+            "@/page.toml:1:10: error: there is no panel b, did you mean a?; there are a, c");
   EXPECT_EQ(refusal("rows = [[\"a\"]]\n[panel.a]\nrun = \"cup\"\n"),
             "@/page.toml:3:7: error: there is no run @/cup, did you mean cap?; @ has cap, fan");
   EXPECT_EQ(refusal("rows = [[\"a\"]]\n[panel.a]\nrun = \"x/y\"\n"),
@@ -143,6 +143,7 @@ TEST_F(FigureFileTest, ValuesAreThoseOfTheOptions) {
   EXPECT_EQ(refusal(one("same_view = true\n")),
             "@/page.toml:2:8: error: --same-view has no effect with one run. Give kirireel render "
             "several runs or remove --same-view");
+  EXPECT_EQ(read(one("title = \"One\"\n")).rows[0][0].title, "One");
   EXPECT_EQ(refusal("rows = [[\"a\"]]\n[panel]\na = 3\n"),
             "@/page.toml:3:5: error: this value is not allowed; give a table, [panel.a]");
 }

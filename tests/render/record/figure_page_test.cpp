@@ -128,13 +128,13 @@ TEST_F(FigurePageTest, HasPicturesAndPlotsWithLetters) {
 TEST_F(FigurePageTest, SharesAndHeightsAreThoseOfThePanels) {
   record::FigurePanel wide = plot("radius");
   wide.share = 3;
-  wide.height = 30;
+  wide.height = 40;
   record::FigurePage wanted = page({{pictures("small"), wide}});
   wanted.rows[0][0].height = 20;
   const std::string svg = svgOf(wanted);
   EXPECT_EQ(placeOf("b", svg).x(), 188);  // floor(694 / 4) + 15
-  // 1.6 em and 30 mm; the pictures are lower.
-  EXPECT_NEAR(heightOf(svg), 30 / 25.4 * 150 + 1.6 * 15, 1);
+  // 1.6 em and 40 mm; the pictures are lower.
+  EXPECT_NEAR(heightOf(svg), 40 / 25.4 * 150 + 1.6 * 15, 1);
 }
 
 /// A plot without a height fills the row, so it does not change the height of the page.
@@ -161,7 +161,7 @@ TEST_F(FigurePageTest, PanelsHaveTheirOwnOutlines) {
   const std::string svg = svgOf(wanted);
   EXPECT_THAT(svg, HasSubstr("#panel_1 .outline { fill: none; stroke: #263242"));
   EXPECT_THAT(svg, HasSubstr("#panel_2 .outline { fill: none; stroke: #ff0000"));
-  EXPECT_THAT(svg, HasSubstr("#panel_1 .silhouette { stroke-width: 1.562"));  // 0.75 pt
+  EXPECT_THAT(svg, HasSubstr("#panel_1 .silhouette { stroke-width: 1.563"));  // 0.75 pt
 }
 
 TEST_F(FigurePageTest, ErrorsNameThePanel) {
