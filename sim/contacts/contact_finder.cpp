@@ -167,12 +167,17 @@ struct ContactFinder::Internals {
   void transfer(StateTape& tape);
   double appendGround(int brick, const Pose& end, std::vector<model::Contact>& contacts);
   double frictionWith(int a, int b) const;
+  BrickPair* knownPair(const model::Contact& contact);
+  const BrickPair* knownPair(const model::Contact& contact) const {
+    return const_cast<Internals*>(this)->knownPair(contact);
+  }
 
   const ContactBodies bodies;
   std::map<std::pair<int, int>, model::SharedCorners> joined;
   scene::Environment environment;
   bool planar = false;
   double tolerance = 0;
+  FaceContact faceContact = FaceContact::Region;
   long step = 0;
   double examined = 0;  // pairs so far
   Poses start;          // of all bodies
@@ -203,7 +208,7 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
     return pairs
         .try_emplace(key, OutlinedPiece{pieceA.brick, pieceA.part, std::move(ofA)},
                      OutlinedPiece{pieceB.brick, pieceB.part, std::move(ofB)}, planes, tolerance,
-                     scratch)
+                     faceContact, scratch)
         .first->second;
   };
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
@@ -298,6 +303,15 @@ double ContactFinder::Internals::frictionWith(int a, int b) const {
   return part ? part->friction : environment.brickFriction;
 }
 
+/// The pair of a contact between bodies; null for a sphere, and for a pair that was never near
+/// here, as a contact that another finder gave may be of.
+BrickPair* ContactFinder::Internals::knownPair(const model::Contact& contact) {
+  const auto [pieceA, pieceB] = std::minmax({bodies.firstPiece[contact.brickA] + contact.partA,
+                                             bodies.firstPiece[contact.brickB] + contact.partB});
+  const auto found = pairs.find(pairKey(pieceA, pieceB));
+  return found == pairs.end() ? nullptr : &found->second;
+}
+
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
                                               std::vector<model::Contact>& contacts) {
   const double height = environment.ground->height;
@@ -325,13 +339,15 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
 
 ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                              std::span<const model::Pivot> pivots,
-                             const scene::Environment& environment, bool planar, double tolerance)
+                             const scene::Environment& environment, bool planar, double tolerance,
+                             FaceContact faces)
     : internals_(std::make_unique<Internals>(bricks, environment)) {
   Internals& in = *internals_;
   in.groundGiven.assign(bricks.size(), -1);
   in.joined = model::sharedCorners(pivots);
   in.planar = planar;
   in.tolerance = tolerance;
+  in.faceContact = faces;
   in.start = in.bodies.posesOf(start, in.placed);
   in.updatePairs(in.start, in.start);
   for (BrickPair* pair : in.nearPairs) {
@@ -417,17 +433,35 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
   if (given.brickB == model::kFixed) return true;
   const Internals& in = *internals_;
   const model::Contact contact = in.bodies.betweenBodies(given);
-  const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
-  const ObstaclePart* part = in.bodies.partOf(b);
   // The nearest points of a sphere's contact turn with the brick: they are found again in
   // each step.
-  if (part && part->radius) return false;
-  const auto [pieceA, pieceB] = std::minmax({in.bodies.firstPiece[contact.brickA] + contact.partA,
-                                             in.bodies.firstPiece[contact.brickB] + contact.partB});
-  // A contact that another finder gave may be of a pair that has never been near in this one.
-  const auto found = in.pairs.find(pairKey(pieceA, pieceB));
-  return found != in.pairs.end() &&
-         found->second.isCurrent(contact, seenFrom(in.start[a], in.start[b]));
+  const BrickPair* pair = in.knownPair(contact);
+  return pair && pair->isCurrent(contact, seenFrom(in.start[pair->a()], in.start[pair->b()]));
+}
+
+void ContactFinder::appendRegion(const model::Contact& given,
+                                 std::vector<model::Contact>& contacts) {
+  Internals& in = *internals_;
+  const model::Contact contact = in.bodies.betweenBodies(given);
+  BrickPair* pair = in.knownPair(contact);
+  if (!pair) return;
+  const std::size_t first = contacts.size();
+  pair->appendRegion(contact, seenFrom(in.start[pair->a()], in.start[pair->b()]), contacts);
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    contacts[c].friction = given.friction;
+    contacts[c] = in.bodies.given(contacts[c]);
+  }
+}
+
+double ContactFinder::insideBorders(const model::Contact& given, const Poses& ofBricks) const {
+  if (!given.isRegion) return std::numeric_limits<double>::infinity();
+  const Internals& in = *internals_;
+  const model::Contact contact = in.bodies.betweenBodies(given);
+  const BrickPair* pair = in.knownPair(contact);
+  if (!pair) return std::numeric_limits<double>::infinity();
+  Poses placed;
+  const Poses& poses = in.bodies.posesOf(ofBricks, placed);
+  return pair->insideBorders(contact, seenFrom(poses[pair->a()], poses[pair->b()]));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -721,12 +755,13 @@ PieceShape::PieceShape(Outline ofPiece) : outline(std::move(ofPiece)) {
 }
 
 BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<SeparatingPlane>& planes,
-                     double tolerance, PairScratch& scratch)
+                     double tolerance, FaceContact faces, PairScratch& scratch)
     : a_(std::move(a)),
       b_(std::move(b)),
       scratch_(scratch),
       radiusB_(outerRadius(outlineB())),
       tolerance_(tolerance),
+      faceContact_(faces),
       planes_(planes),
       last_(planes_.front()),
       clearance_(-kInfinity) {}
@@ -874,23 +909,93 @@ const SeparatingPlane* BrickPair::planeToGive(long step) {
 
 /// Whether contacts on this plane would be new in this step.
 bool BrickPair::canGive(const SeparatingPlane& plane, long step) {
-  if (givenStep_ != step) given_.clear();
+  if (givenStep_ != step) {
+    given_.clear();
+    corners_.clear();
+  }
   givenStep_ = step;
   return std::find(given_.begin(), given_.end(), plane) == given_.end();
 }
 
+/// Sets what all contacts of the pair have in common.
+void BrickPair::finishContacts(std::vector<model::Contact>& contacts) const {
+  for (model::Contact& contact : contacts) {
+    const bool onA = contact.brickA == a_.brick;
+    // The overlap from the start of the run moves the contact's zero.
+    contact.slack = slack_;
+    contact.partA = onA ? a_.part : b_.part;
+    contact.partB = onA ? b_.part : a_.part;
+  }
+}
+
+/// Removes the corners of regions that were given in this step already, and those that do not hold
+/// where the step starts: edges that cross at its end may have passed each other.
+void BrickPair::keepNew(std::vector<model::Contact>& contacts) const {
+  std::erase_if(contacts, [this](model::Contact contact) {
+    const bool isRegion = std::exchange(contact.isRegion, true);
+    if (std::ranges::find(corners_, contact) != corners_.end()) return true;
+    const bool onA = contact.brickA == a_.brick;
+    contact.brickA = onA ? 0 : 1;
+    contact.brickB = onA ? 1 : 0;
+    const double gap = model::contactGap(contact, {Pose{}, scratch_.startB.pose});
+    return isRegion && gap < -kWorst * tolerance_;
+  });
+}
+
+/// First the region at the start of the step. If that does not keep the pair apart, or the faces do
+/// not overlap, the region at the end of the step. Then all points of one brick against the plane.
 void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts) {
   last_ = plane;
-  given_.push_back(plane);
-  const std::size_t first = contacts.size();
-  appendPlaneContacts(plane, a_.brick, b_.brick, placedA(), scratch_.startB, contacts);
-  for (std::size_t c = first; c < contacts.size(); ++c) {
-    const bool onA = contacts[c].brickA == a_.brick;
-    // The overlap from the start of the run moves the contact's zero.
-    contacts[c].slack = slack_;
-    contacts[c].partA = onA ? a_.part : b_.part;
-    contacts[c].partB = onA ? b_.part : a_.part;
+  std::vector<model::Contact> found;
+  for (const PlacedOutline* b : {&scratch_.startB, &scratch_.endB}) {
+    if (faceContact_ == FaceContact::Plane) break;
+    appendRegionContacts(planeNormal(plane, placedA(), *b),
+                         plane.kind == SeparatingPlane::Kind::Edges ? &plane : nullptr, a_.brick,
+                         b_.brick, placedA(), *b, found);
+    finishContacts(found);
+    keepNew(found);
+    if (!found.empty()) break;
   }
+  corners_.insert(corners_.end(), found.begin(), found.end());
+  if (found.empty()) {
+    given_.push_back(plane);
+    appendPlaneContacts(plane, a_.brick, b_.brick, placedA(), scratch_.startB, found);
+    finishContacts(found);
+    keepNew(found);
+  }
+  contacts.insert(contacts.end(), found.begin(), found.end());
+}
+
+/// The contact's normal from B towards A of the pair, in A's axes.
+Vector3 BrickPair::normalOf(const model::Contact& contact, const PlacedOutline& placedB) const {
+  // The contact's first brick may be B of the pair; its normal then points the other way.
+  const bool swapped = contact.brickA != a_.brick;
+  model::Contact numbered = contact;
+  numbered.brickA = swapped ? 1 : 0;
+  numbered.brickB = swapped ? 0 : 1;
+  return (swapped ? -1 : 1) * model::contactNormal(numbered, {Pose{}, placedB.pose});
+}
+
+void BrickPair::appendRegion(const model::Contact& contact, const Pose& startOfB,
+                             std::vector<model::Contact>& contacts) const {
+  PlacedOutline placedB;
+  placeOutline(outlineB(), startOfB, placedB);
+  std::vector<model::Contact> found;
+  appendRegionContacts(normalOf(contact, placedB), nullptr, a_.brick, b_.brick, placedA(), placedB,
+                       found);
+  finishContacts(found);
+  // Where edges cross alone, they are the region as long as they do.
+  if (found.empty() && contact.isEdge && insideBorders(contact, startOfB) >= 0)
+    found.push_back(contact);
+  contacts.insert(contacts.end(), found.begin(), found.end());
+}
+
+double BrickPair::insideBorders(const model::Contact& contact, const Pose& poseOfB) const {
+  PlacedOutline placedB;
+  placeOutline(outlineB(), poseOfB, placedB);
+  const bool swapped = contact.brickA != a_.brick;
+  return contacts::insideBorders(contact, swapped ? placedB : placedA(),
+                                 swapped ? placedA() : placedB);
 }
 
 bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) const {
@@ -918,13 +1023,7 @@ bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& plac
 /// Whether another plane than that of the contact keeps the pair apart at the start of the step.
 bool BrickPair::isApartOtherwise(const model::Contact& contact,
                                  const PlacedOutline& placedB) const {
-  // The contact's first brick may be B of the pair; its normal then points the other way.
-  const bool swapped = contact.brickA != a_.brick;
-  model::Contact numbered = contact;
-  numbered.brickA = swapped ? 1 : 0;
-  numbered.brickB = swapped ? 0 : 1;
-  const Vector3 normal =
-      (swapped ? -1 : 1) * model::contactNormal(numbered, {Pose{}, placedB.pose});
+  const Vector3 normal = normalOf(contact, placedB);
   return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
     return plane.kind != SeparatingPlane::Kind::Edges &&
            planeNormal(plane, placedA(), placedB).dot(normal) < kSameDirection &&
@@ -1031,13 +1130,20 @@ Outline makeOutline(const model::Brick& brick, bool planar) {
     outline.points.insert(outline.points.end(), brick.top.begin(), brick.top.end());
     outline.normals = {-brick.normal, brick.normal};
     outline.facePoints = {0, count};
+    outline.faces.resize(2);
+    for (int k = 0; k < count; ++k) {
+      outline.faces[0].push_back(count - 1 - k);
+      outline.faces[1].push_back(count + k);
+    }
   }
   for (int k = 0; k < count; ++k) {
     const int next = (k + 1) % count;
     const Vector3 edge = brick.bottom[next] - brick.bottom[k];
     outline.normals.push_back(edge.cross(brick.normal).normalized());
     outline.facePoints.push_back(k);
+    outline.faces.push_back({k, next});
     if (planar) continue;
+    outline.faces.back() = {k, next, count + next, count + k};
     addDirection(outline, edge);
     addDirection(outline, brick.normal);
   }
@@ -1122,6 +1228,208 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
     case Kind::Edges:
       return appendEdgeContacts(plane, brickA, brickB, a, b, contacts);
   }
+}
+
+// ------------------------------------------------------------------------------------------------
+// The region in which two bricks touch: the polygon in which a face of each overlap, seen along the
+// normal between them. Each of its corners is a contact of the two features that meet there: a
+// corner of a brick over the face of the other, or an edge of each that cross. So every contact
+// point lies on both bricks, and stays on the features while bricks slide.
+
+namespace {
+
+// Faces within this angle of the plane between two bricks may touch as faces, cosine of 0.2 rad.
+constexpr double kFlat = 0.98;
+// Corners of a region closer than this part of an edge are one.
+constexpr double kOneCorner = 1e-9;
+// Below this sine edges of faces that touch count as parallel.
+constexpr double kNoCrossing = 1e-9;
+
+/// A face of a placed outline.
+struct PlacedFace {
+  const PlacedOutline& placed;
+  int number = 0;
+
+  const std::vector<int>& corners() const { return placed.outline->faces[number]; }
+  const Vector3& normal() const { return placed.normals[number]; }
+  std::size_t size() const { return corners().size(); }
+  const Vector3& corner(std::size_t k) const { return placed.points[corners()[k % size()]]; }
+  /// In brick axes.
+  const Vector3& ownCorner(std::size_t k) const {
+    return placed.outline->points[corners()[k % size()]];
+  }
+};
+
+/// How far a point is within the sides of a face, seen along its normal, metres; below 0 outside.
+double insideFace(const PlacedFace& face, const Vector3& point) {
+  double least = std::numeric_limits<double>::infinity();
+  // A face of a planar scene is a segment: both of its ends are sides.
+  const bool isSegment = face.size() == 2;
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const Vector3 edge = face.corner(k + 1) - face.corner(k);
+    const double length = edge.norm();
+    if (length == 0) continue;
+    const Vector3 inwards = isSegment ? edge : face.normal().cross(edge);
+    least = std::min(least, inwards.dot(point - face.corner(k)) / length);
+  }
+  return least;
+}
+
+/// The face whose normal points farthest along a direction.
+PlacedFace faceAlong(const PlacedOutline& placed, const Vector3& direction) {
+  const auto most = std::ranges::max_element(
+      placed.normals, {}, [&](const Vector3& normal) { return normal.dot(direction); });
+  return {placed, static_cast<int>(most - placed.normals.begin())};
+}
+
+/// An edge of a placed outline, in brick axes and where it is.
+struct PlacedEdge {
+  Vector3 ownFrom;
+  Vector3 ownEdge;
+  Vector3 from;
+  Vector3 edge;
+};
+
+PlacedEdge edgeOf(const PlacedOutline& placed, int from, int to) {
+  const std::vector<Vector3>& own = placed.outline->points;
+  return {own[from], own[to] - own[from], placed.points[from],
+          placed.points[to] - placed.points[from]};
+}
+
+/// Collects the corners of a region.
+class RegionMaker {
+ public:
+  RegionMaker(int brickA, int brickB, const Vector3& normal, double closest,
+              std::vector<model::Contact>& contacts)
+      : brickA_(brickA), brickB_(brickB), normal_(normal), closest_(closest), contacts_(contacts) {}
+
+  /// Corners of one face that lie over the other.
+  void addCorners(const PlacedFace& points, const PlacedFace& face, bool areOfA) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (insideFace(face, points.corner(k)) < 0) continue;
+      add(points.corner(k), onFace(points.ownCorner(k), face, areOfA));
+    }
+  }
+
+  /// Where the edges of two faces cross.
+  void addCrossings(const PlacedFace& a, const PlacedFace& b) {
+    if (a.size() == 2) return;  // of a planar scene
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t j = 0; j < b.size(); ++j) addCrossing(a, i, b, j);
+    }
+  }
+
+  /// Nothing where the two do not cross.
+  void addCrossing(const PlacedEdge& a, const PlacedEdge& b) {
+    const Vector3 across = a.edge.cross(b.edge);
+    if (across.norm() <= kNoCrossing * a.edge.norm() * b.edge.norm()) return;
+    const Vector3 between = (b.from - a.from) / across.squaredNorm();
+    const double onA = between.cross(b.edge).dot(across);
+    const double onB = between.cross(a.edge).dot(across);
+    if (onA < 0 || onA > 1 || onB < 0 || onB > 1) return;
+    model::Contact contact{brickA_, brickB_, a.ownFrom, b.ownFrom, b.ownEdge.normalized()};
+    contact.isEdge = true;
+    contact.edgeA = (across.dot(normal_) > 0 ? 1 : -1) * a.ownEdge.normalized();
+    add(a.from + onA * a.edge, contact);
+  }
+
+ private:
+  model::Contact onFace(const Vector3& ownPoint, const PlacedFace& face, bool isOfA) const {
+    const Outline& outline = *face.placed.outline;
+    return {isOfA ? brickA_ : brickB_, isOfA ? brickB_ : brickA_, ownPoint,
+            outline.points[outline.facePoints[face.number]], outline.normals[face.number]};
+  }
+
+  void addCrossing(const PlacedFace& a, std::size_t i, const PlacedFace& b, std::size_t j) {
+    const PlacedEdge ofA = edgeOf(a.placed, a.corners()[i], a.corners()[(i + 1) % a.size()]);
+    const PlacedEdge ofB = edgeOf(b.placed, b.corners()[j], b.corners()[(j + 1) % b.size()]);
+    const double sine = ofA.edge.cross(ofB.edge).norm() / (ofA.edge.norm() * ofB.edge.norm());
+    if (sine > kSteady) return addCrossing(ofA, ofB);
+    if (!(sine > kNoCrossing)) return;
+    // The normal of nearly parallel edges turns too fast: the point of A is held off B's face.
+    const Vector3 outwards = ofB.edge.cross(b.normal());
+    const double onA = outwards.dot(ofB.from - ofA.from) / outwards.dot(ofA.edge);
+    const Vector3 point = ofA.from + onA * ofA.edge;
+    const double onB = ofB.edge.dot(point - ofB.from) / ofB.edge.squaredNorm();
+    if (!(onA >= 0 && onA <= 1 && onB >= 0 && onB <= 1)) return;
+    add(point, onFace(ofA.ownFrom + onA * ofA.ownEdge, b, true));
+  }
+
+  void add(const Vector3& place, model::Contact contact) {
+    const bool isKnown = std::ranges::any_of(
+        places_, [&](const Vector3& other) { return (place - other).norm() <= closest_; });
+    if (isKnown) return;
+    places_.push_back(place);
+    contact.isRegion = true;
+    contacts_.push_back(std::move(contact));
+  }
+
+  int brickA_, brickB_;
+  const Vector3& normal_;
+  double closest_;
+  std::vector<model::Contact>& contacts_;
+  std::vector<Vector3> places_;
+};
+
+/// The ends of the edge of a brick that goes through one of its corners along a direction.
+std::pair<int, int> endsOfEdge(const PlacedOutline& placed, int corner, const Vector3& direction) {
+  for (const std::vector<int>& face : placed.outline->faces) {
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const int from = face[k], to = face[(k + 1) % face.size()];
+      if (from != corner && to != corner) continue;
+      const Vector3 edge = placed.points[to] - placed.points[from];
+      if (edge.cross(direction).norm() <= kParallelEdges * edge.norm()) return {from, to};
+    }
+  }
+  return {corner, corner};
+}
+
+/// How far a point is within the ends of the edge that begins at a corner in brick axes, metres.
+double insideEdge(const PlacedOutline& placed, const Vector3& ownCorner, const Vector3& direction,
+                  const Vector3& point) {
+  const auto corner = std::ranges::min_element(
+      placed.outline->points, {}, [&](const Vector3& other) { return (other - ownCorner).norm(); });
+  const auto [from, to] =
+      endsOfEdge(placed, static_cast<int>(corner - placed.outline->points.begin()), direction);
+  const double a = direction.dot(point - placed.points[from]);
+  const double b = direction.dot(point - placed.points[to]);
+  return std::min(std::max(a, b), std::max(-a, -b));
+}
+
+}  // namespace
+
+void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, int brickA,
+                          int brickB, const PlacedOutline& a, const PlacedOutline& b,
+                          std::vector<model::Contact>& contacts) {
+  const PlacedFace faceA = faceAlong(a, -normal), faceB = faceAlong(b, normal);
+  RegionMaker region(brickA, brickB, normal, kOneCorner * (a.points[1] - a.points[0]).norm(),
+                     contacts);
+  if (faceA.normal().dot(normal) <= -kFlat && faceB.normal().dot(normal) >= kFlat) {
+    region.addCorners(faceA, faceB, true);
+    region.addCorners(faceB, faceA, false);
+    region.addCrossings(faceA, faceB);
+  } else if (edges) {
+    int cornerA = 0, cornerB = 0;
+    farthest(a, -normal, cornerA);
+    farthest(b, normal, cornerB);
+    const auto [fromA, toA] = endsOfEdge(a, cornerA, a.directions[edges->a]);
+    const auto [fromB, toB] = endsOfEdge(b, cornerB, b.directions[edges->b]);
+    if (fromA != toA && fromB != toB)
+      region.addCrossing(edgeOf(a, fromA, toA), edgeOf(b, fromB, toB));
+  }
+}
+
+double insideBorders(const model::Contact& ofBricks, const PlacedOutline& a,
+                     const PlacedOutline& b) {
+  model::Contact contact = ofBricks;
+  contact.brickA = 0;
+  contact.brickB = 1;
+  const auto [onA, onB] = model::contactPoints(contact, {a.pose, b.pose});
+  if (contact.isEdge) {
+    return std::min(insideEdge(a, contact.pointA, a.pose.rotation * contact.edgeA, onA),
+                    insideEdge(b, contact.pointB, b.pose.rotation * contact.normal, onB));
+  }
+  return insideFace(faceAlong(b, b.pose.rotation * contact.normal), onA);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -61,6 +61,12 @@ struct ObstacleOverlap {
   double depth = 0;  ///< metres
 };
 
+/// How far a contact of two faces reaches.
+enum class FaceContact {
+  Region,  ///< the polygon in which the faces overlap: support ends where a brick ends
+  Plane,   ///< the whole plane of a face, without a border
+};
+
 /// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
 /// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
 /// passed through each other, however thin they are. One plane may also take over from another on
@@ -77,13 +83,18 @@ class ContactFinder : public model::ContactSource {
   /// environment's.
   ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
-                bool planar, double tolerance);
+                bool planar, double tolerance, FaceContact faces = FaceContact::Region);
   ~ContactFinder() override;
 
   void startStep(const Poses& start) override;
   double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
   bool isCurrent(const model::Contact& contact) const override;
+  void appendRegion(const model::Contact& contact, std::vector<model::Contact>& contacts) override;
   double pairsExamined() const override;
+
+  /// How far within the borders of both bricks a corner of a region is at these poses, metres;
+  /// below 0 outside. Infinity for other contacts.
+  double insideBorders(const model::Contact& contact, const Poses& ofBricks) const;
 
   /// A brick that overlaps an obstacle at the start, whose poses these are: it could not be got out
   /// without a discontinuity. Call it before the first step.
@@ -107,6 +118,8 @@ struct Outline {
   std::vector<Vector3> points;      ///< corners, metres
   std::vector<Vector3> normals;     ///< one a face, unit
   std::vector<int> facePoints;      ///< a point on each face, as an index into points
+  /// The corners of each face, as indices into points, anticlockwise seen from outside.
+  std::vector<std::vector<int>> faces;
   std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
 };
 
@@ -167,6 +180,17 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
                          std::vector<model::Contact>& contacts);
 
+/// The contacts at the corners of the polygon in which a face of A overlaps one of B, both nearly
+/// across `normal`, a unit vector from B towards A. Where no faces are and `edges` is not null, the
+/// crossing of these two edges, if they do cross. Appends none where there is no such region.
+/// O(n m) for faces of n and m corners.
+void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, int brickA,
+                          int brickB, const PlacedOutline& a, const PlacedOutline& b,
+                          std::vector<model::Contact>& contacts);
+
+/// See ContactFinder::insideBorders(). `a` and `b` are the contact's own bricks.
+double insideBorders(const model::Contact& contact, const PlacedOutline& a, const PlacedOutline& b);
+
 // ------------------------------------------------------------------------------------------------
 // Two bricks that may touch: what keeps them apart from step to step, and what they run into.
 
@@ -210,7 +234,7 @@ class BrickPair {
   /// counts as none. Planes and scratch must outlive this; what the scratch holds means nothing
   /// between calls.
   BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<SeparatingPlane>& planes,
-            double tolerance, PairScratch& scratch);
+            double tolerance, FaceContact faces, PairScratch& scratch);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
@@ -236,6 +260,11 @@ class BrickPair {
   /// Whether a contact of this pair still is in force at the start of a step: its point touches the
   /// other brick's face, or no other face keeps the two apart.
   bool isCurrent(const model::Contact& contact, const Pose& startOfB) const;
+  /// See ContactSource::appendRegion().
+  void appendRegion(const model::Contact& contact, const Pose& startOfB,
+                    std::vector<model::Contact>& contacts) const;
+  /// See ContactFinder::insideBorders().
+  double insideBorders(const model::Contact& contact, const Pose& poseOfB) const;
 
   /// What the next step takes from those before.
   void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
@@ -251,6 +280,9 @@ class BrickPair {
   double separationAtEnd(const SeparatingPlane& plane) const;
   double bestSeparationAtStart() const;
   bool keptApartInTurn(const PairMove& move) const;
+  Vector3 normalOf(const model::Contact& contact, const PlacedOutline& placedB) const;
+  void finishContacts(std::vector<model::Contact>& contacts) const;
+  void keepNew(std::vector<model::Contact>& contacts) const;
   bool canGive(const SeparatingPlane& plane, long step);
   const SeparatingPlane* planeToGive(long step);
   void givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts);
@@ -259,12 +291,14 @@ class BrickPair {
   PairScratch& scratch_;
   double radiusB_;
   double tolerance_;
+  FaceContact faceContact_;
   double slack_ = 0;
   const std::vector<SeparatingPlane>& planes_;
   SeparatingPlane last_;                // that separated the pair at the last check
   Pose lookedAt_;                       // B's pose then
   double clearance_;                    // the separation then
   std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
+  std::vector<model::Contact> corners_;  // of regions that were given in this step
   long givenStep_ = -1;
 };
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/mechanics/friction_region.h"
 #include "sim/mechanics/rigid_pieces.h"
 #include "sim/mechanics/step_system.h"
 
@@ -34,6 +35,7 @@ template <int D>
 struct KeptRows {
   std::vector<ContactRow<D>> contacts;  ///< held, or planes of those that carried load
   std::vector<ContactRow<D>> supports;
+  std::vector<ContactRow<D>> rubbing;  ///< of the contacts
   double step = 1;  ///< seconds that their impulses refer to
 };
 
@@ -57,6 +59,7 @@ class Stepper : public JointSolver {
                      model::ContactSource* contacts) override;
   void holdContacts(const std::vector<model::Contact>& contacts) override;
   std::vector<model::Contact> heldContacts() const override;
+  std::vector<model::Contact> pushingContacts() const override;
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        LoadGain& given) override;
   double energy(const Motion& motion) const override;
@@ -82,7 +85,7 @@ class Stepper : public JointSolver {
   void placeHeldRows(const Poses& poses, double step);
   void keepHeldRows(double step);
   bool solveWithFriction(const Poses& start);
-  bool boundFriction();
+  bool boundFriction(const Poses& poses);
   bool projectVelocities(Motion& motion, bool withFriction);
   bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
@@ -92,9 +95,12 @@ class Stepper : public JointSolver {
   StepOutcome tryStep(const Motion& start, double step, const LoadSource& loads, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<model::Contact>& found, const Poses& start, double step);
-  bool boundNewFriction();
+  bool boundNewFriction(const Poses& start);
+  std::vector<Row> rubbingRows(std::size_t first, std::size_t last, const Poses& poses,
+                               bool isHeld) const;
   void startRows(const Poses& start, double step, bool warm);
   void carryOver(const Row& old, const Poses& start, double step);
+  void carryRegionOver(const Row* first, const Row* last, const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
   Row contactRow(const model::Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
@@ -160,6 +166,7 @@ constexpr int kContactRounds = 25;
 // Bounds of friction that change by less than this part are settled.
 constexpr double kBoundTolerance = 1e-7;
 constexpr int kFrictionRounds = 20;
+constexpr double kTouching = 1e-6;  // gap of points that rub
 // Of forces between pairs: Newton steps in a step, the speed that they leave, and the least part of
 // one.
 constexpr int kPairRounds = 20;
@@ -258,7 +265,8 @@ template <int D>
 StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
     if (!solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
-    if (boundNewFriction() && !solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
+    if (boundNewFriction(start) && !solveWithPairForces(start, step))
+      return StepOutcome::JointsOpen;
     limitWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     limitEnergyAfterClosing(start, step);
@@ -290,17 +298,68 @@ bool Stepper<D>::appendRows(const std::vector<model::Contact>& found, const Pose
   return program_.contacts.size() > before;
 }
 
-/// Contacts of the last step bring the bound of their friction; new ones get it from the load that
-/// they were just found to carry. Returns whether there were any.
+/// Rows that rub for contacts of one plane, by their places among the contacts. They stand for an
+/// even pressure on the region of points that touch, or push; all do of contacts that are held.
 template <int D>
-bool Stepper<D>::boundNewFriction() {
-  bool any = false;
-  for (Row& row : program_.contacts) {
-    if (!row.hasNormal || row.slipBound > 0) continue;
-    row.slipBound = row.contact.friction * row.multiplier;
-    any = any || row.hasFriction();
+std::vector<ContactRow<D>> Stepper<D>::rubbingRows(std::size_t first, std::size_t last,
+                                                   const Poses& poses, bool isHeld) const {
+  const model::Contact& plane = program_.contacts[first].contact;
+  const Vector3 normal = model::contactNormal(plane, poses);
+  std::vector<Vector3> touching;
+  Vector3 centre = Vector3::Zero();
+  double push = 0;
+  for (std::size_t c = first; c < last; ++c) {
+    const Row& row = program_.contacts[c];
+    const Vector3 point = model::contactPoints(row.contact, poses).onA;
+    push += row.multiplier;
+    centre += row.multiplier * point;
+    const bool isNear = model::contactGap(row.contact, poses) <= kTouching * settings_.lengthScale;
+    if (isHeld || isNear || row.multiplier > 0) touching.push_back(point);
   }
-  return any;
+  if (!(push > 0)) return {};
+  centre /= push;
+  // In the plane friction acts along one line wherever the points are.
+  const std::vector<RubbingPoint> points =
+      D == 3 ? std::vector<RubbingPoint>{{centre, 1}} : rubbingPoints(touching, normal, centre);
+  const Pose& poseA = model::poseOf(plane.brickA, poses);
+  const Pose& poseB = model::poseOf(plane.brickB, poses);
+  Row row;
+  row.contact = plane;
+  row.hasNormal = false;
+  if (plane.isRegion && plane.isEdge) {
+    row.contact.isEdge = false;
+    row.contact.normal = poseB.rotation.conjugate() * normal;
+  }
+  std::vector<Row> rows;
+  for (const RubbingPoint& rubbing : points) {
+    row.contact.pointA = poseA.rotation.conjugate() * (rubbing.point - poseA.position);
+    row.contact.pointB = poseB.rotation.conjugate() * (rubbing.point - poseB.position);
+    row.slipShare = rubbing.share;
+    row.slipBound = plane.friction * rubbing.share * push;
+    placeRow(row, poses);
+    holdPinned(row);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Contacts that were just found to push begin to rub. Returns whether there were any.
+template <int D>
+bool Stepper<D>::boundNewFriction(const Poses& start) {
+  std::vector<Row> found;
+  for (std::size_t first = 0; first < program_.contacts.size();) {
+    const auto begin = program_.contacts.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = endOfPlane<D>(begin, program_.contacts.end());
+    const auto last = static_cast<std::size_t>(end - program_.contacts.begin());
+    if (begin->hasNormal && begin->contact.friction > 0 && !begin->isRubbed) {
+      const std::vector<Row> rows = rubbingRows(first, last, start, false);
+      found.insert(found.end(), rows.begin(), rows.end());
+      begin->isRubbed = !rows.empty();
+    }
+    first = last;
+  }
+  program_.contacts.insert(program_.contacts.end(), found.begin(), found.end());
+  return !found.empty();
 }
 
 /// Begins with the planes that carried load in the last step, as far as they still are current.
@@ -316,10 +375,21 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
     const bool isCurrent = std::any_of(first, last, [&](const Row& row) {
       return row.multiplier > 0 && contactSource_->isCurrent(row.contact);
     });
-    if (isCurrent) {
+    if (isCurrent && first->contact.isRegion) {
+      carryRegionOver(&*first, &*first + (last - first), start, step);
+    } else if (isCurrent) {
       std::for_each(first, last, [&](const Row& row) { carryOver(row, start, step); });
     }
     first = last;
+  }
+  // Friction that acts from the start: its bound is that of the last step.
+  if (!boundNewFriction(start)) return;
+  auto old = kept_.rubbing.begin();
+  for (Row& row : program_.contacts) {
+    if (row.slipShare == 0) continue;
+    while (old != kept_.rubbing.end() && !onOnePlane(old->contact, row.contact)) ++old;
+    if (old == kept_.rubbing.end()) break;
+    row.slipMultiplier = step / kept_.step * (old++)->slipMultiplier;
   }
 }
 
@@ -330,9 +400,37 @@ void Stepper<D>::carryOver(const Row& old, const Poses& start, double step) {
   // Multipliers are impulses: they go with the length of the step.
   row.multiplier = step / kept_.step * old.multiplier;
   row.active = row.multiplier > 0;
-  row.slipMultiplier = step / kept_.step * old.slipMultiplier;
-  row.slipBound = old.contact.friction * row.multiplier;
   program_.contacts.push_back(row);
+}
+
+/// Adds the corners that a region of the last step has now. Each of its impulses goes to the
+/// nearest of them.
+template <int D>
+void Stepper<D>::carryRegionOver(const Row* first, const Row* last, const Poses& start,
+                                 double step) {
+  std::vector<model::Contact> corners;
+  contactSource_->appendRegion(first->contact, corners);
+  for (const model::Contact& corner : corners) {
+    const bool isKnown = std::ranges::any_of(program_.contacts,
+                                             [&](const Row& row) { return row.contact == corner; });
+    if (!isKnown) program_.contacts.push_back(contactRow(corner, start, step));
+  }
+  for (; first != last; ++first) {
+    if (!(first->multiplier > 0)) continue;
+    Row* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    const Vector3 place = model::contactPoints(first->contact, start).onA;
+    for (Row& row : program_.contacts) {
+      if (!row.hasNormal || !model::onOnePlane(row.contact, first->contact)) continue;
+      const double off = (model::contactPoints(row.contact, start).onA - place).norm();
+      if (off >= least) continue;
+      least = off;
+      nearest = &row;
+    }
+    if (!nearest) continue;
+    nearest->multiplier += step / kept_.step * first->multiplier;
+    nearest->active = true;
+  }
 }
 
 template <int D>
@@ -447,12 +545,13 @@ void Stepper<D>::keepMultipliers(double step) {
   kept_.step = multiplierStep_ = step;
   kept_.contacts.clear();
   kept_.supports.clear();
+  kept_.rubbing.clear();
   const std::vector<Row>& rows = program_.contacts;
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = endOfPlane<D>(first, rows.end());
     const bool loaded = std::any_of(first, last, [](const Row& row) { return row.multiplier > 0; });
     if (!first->hasNormal) {
-      kept_.supports.push_back(*first);
+      (first->slipShare > 0 ? kept_.rubbing : kept_.supports).push_back(*first);
     } else if (loaded) {
       kept_.contacts.insert(kept_.contacts.end(), first, last);
     }
@@ -518,15 +617,15 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
 template <int D>
 std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   std::vector<TouchForce> forces;
-  for (const auto* rows : {&kept_.contacts, &kept_.supports}) {
+  for (const auto* rows : {&kept_.contacts, &kept_.supports, &kept_.rubbing}) {
     for (Row row : *rows) {
       placeRow(row, poses);
       // The velocity of a brick's point along a direction begins with that direction.
       constexpr int kAxes = D == 6 ? 3 : 2;
       const auto& [a, b] = std::tie(row.contact.brickA, row.contact.brickB);
       const bool onA = model::isBrick(a);
-      TouchForce touch = {onA ? a : b, onA ? b : a,
-                          model::poseOf(a, poses).apply(row.contact.pointA), Vector3::Zero(), 0};
+      TouchForce touch = {onA ? a : b, onA ? b : a, model::contactPoints(row.contact, poses).onA,
+                          Vector3::Zero(), 0};
       const auto& tangents = onA ? row.tangentA : row.tangentB;
       const auto& normal = onA ? row.normalA : row.normalB;
       touch.force.template head<kAxes>() =
@@ -580,6 +679,15 @@ std::vector<model::Contact> Stepper<D>::heldContacts() const {
   return contacts;
 }
 
+template <int D>
+std::vector<model::Contact> Stepper<D>::pushingContacts() const {
+  std::vector<model::Contact> contacts;
+  for (const Row& row : kept_.contacts) {
+    if (row.multiplier > 0) contacts.push_back(row.contact);
+  }
+  return contacts;
+}
+
 /// The rows of the contacts that are held. They begin with the impulses of the step before.
 template <int D>
 void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
@@ -590,9 +698,25 @@ void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
     holdPinned(row);
     row.bias = 0;
     row.multiplier *= step / kept_.step;
-    row.slipMultiplier *= step / kept_.step;
-    row.slipBound = row.contact.friction * row.multiplier;
     row.active = row.multiplier > 0;
+    program_.contacts.push_back(std::move(row));
+  }
+  // Those that rub are in the order of the planes.
+  auto plane = kept_.contacts.begin();
+  double push = 0;
+  for (auto old = kept_.rubbing.begin(); old != kept_.rubbing.end(); ++old) {
+    if (old == kept_.rubbing.begin() || !onOnePlane(old->contact, std::prev(old)->contact)) {
+      push = 0;
+      const auto isOfPlane = [&](const Row& row) { return onOnePlane(row.contact, old->contact); };
+      plane = std::find_if(plane, kept_.contacts.end(), isOfPlane);
+      for (; plane != kept_.contacts.end() && isOfPlane(*plane); ++plane) push += plane->multiplier;
+    }
+    if (!(push > 0)) continue;
+    Row row = *old;
+    placeRow(row, poses);
+    holdPinned(row);
+    row.slipMultiplier *= step / kept_.step;
+    row.slipBound = row.contact.friction * row.slipShare * push * step / kept_.step;
     program_.contacts.push_back(std::move(row));
   }
 }
@@ -600,10 +724,15 @@ void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
 template <int D>
 void Stepper<D>::keepHeldRows(double step) {
   kept_.step = step;
-  const auto firstHeld =
-      program_.contacts.end() - static_cast<std::ptrdiff_t>(kept_.contacts.size());
-  kept_.supports.assign(program_.contacts.begin(), firstHeld);
-  kept_.contacts.assign(firstHeld, program_.contacts.end());
+  kept_.contacts.clear();
+  kept_.supports.clear();
+  kept_.rubbing.clear();
+  for (const Row& row : program_.contacts) {
+    (row.hasNormal       ? kept_.contacts
+     : row.slipShare > 0 ? kept_.rubbing
+                         : kept_.supports)
+        .push_back(row);
+  }
 }
 
 template <int D>
@@ -613,7 +742,7 @@ double Stepper<D>::stickSlipSpeed(const Motion& start) const {
     velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);
   }
   double fastest = 0;
-  for (const std::vector<Row>* rows : {&kept_.contacts, &kept_.supports}) {
+  for (const std::vector<Row>* rows : {&kept_.rubbing, &kept_.supports}) {
     for (Row row : *rows) {
       const bool sticks = row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
       if (!sticks) continue;
@@ -632,21 +761,42 @@ bool Stepper<D>::solveWithFriction(const Poses& start) {
     if (!solveVelocities(start)) return false;
     if (program_.contacts.empty()) return true;
     if (!solveRound(system_, program_, kSlow * settings_.lengthScale).found) return false;
-    if (!boundFriction()) return true;
+    if (!boundFriction(start)) return true;
   }
   return true;
 }
 
-/// Sets the bounds of friction to what the contacts carry. Returns whether any changed.
+/// Sets where contacts rub, and the bounds of their friction, by what they carry. Returns whether
+/// any changed.
 template <int D>
-bool Stepper<D>::boundFriction() {
-  bool changed = false;
-  for (Row& row : program_.contacts) {
-    if (!row.hasNormal) continue;
-    const double bound = row.contact.friction * row.multiplier;
-    changed = changed || std::abs(bound - row.slipBound) > kBoundTolerance * bound;
-    row.slipBound = bound;
+bool Stepper<D>::boundFriction(const Poses& poses) {
+  std::vector<Row> before, now;
+  for (const Row& row : program_.contacts) {
+    if (row.slipShare > 0) before.push_back(row);
   }
+  std::erase_if(program_.contacts, [](const Row& row) { return row.slipShare > 0; });
+  for (std::size_t first = 0; first < program_.contacts.size();) {
+    const auto begin = program_.contacts.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto last = static_cast<std::size_t>(endOfPlane<D>(begin, program_.contacts.end()) -
+                                               program_.contacts.begin());
+    if (begin->hasNormal && begin->contact.friction > 0) {
+      const std::vector<Row> rows = rubbingRows(first, last, poses, true);
+      now.insert(now.end(), rows.begin(), rows.end());
+    }
+    first = last;
+  }
+  bool changed = before.size() != now.size();
+  for (std::size_t r = 0; r < now.size() && r < before.size(); ++r) {
+    const Row& old = before[r];
+    Row& row = now[r];
+    if (!onOnePlane(old.contact, row.contact)) changed = true;
+    const double off = (old.contact.pointA - row.contact.pointA).norm();
+    changed = changed || off > kBoundTolerance * settings_.lengthScale ||
+              std::abs(row.slipBound - old.slipBound) > kBoundTolerance * row.slipBound;
+    row.slipMultiplier = old.slipMultiplier;
+    row.slipStiffness = old.slipStiffness;
+  }
+  program_.contacts.insert(program_.contacts.end(), now.begin(), now.end());
   return changed;
 }
 
@@ -701,7 +851,7 @@ double Stepper<D>::energy(const Motion& motion) const {
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
   tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_.contacts,
-                kept_.supports, kept_.step, standstill_, system_);
+                kept_.supports, kept_.rubbing, kept_.step, standstill_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }
@@ -1022,8 +1172,7 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   for (Row row : kept_.contacts) {
     placeRow(row, motion.poses);
     holdPinned(row);
-    row.bias = row.multiplier = row.slipBound = 0;
-    row.slipMultiplier.setZero();
+    row.bias = row.multiplier = 0;
     row.active = row.trialImpulse(program_.x, system_.rho()) > 0;
     program_.contacts.push_back(std::move(row));
   }

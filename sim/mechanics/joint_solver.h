@@ -96,6 +96,8 @@ class JointSolver {
   virtual void holdContacts(const std::vector<model::Contact>& contacts) = 0;
   /// Those that are held, or that carried load in the last step of advance(), with their planes.
   virtual std::vector<model::Contact> heldContacts() const = 0;
+  /// Those of them that push.
+  virtual std::vector<model::Contact> pushingContacts() const = 0;
 
   /// One step of implicit Euler, linearised at its start, with only the contacts that are held:
   /// velocities satisfy joints and contacts as they are at the start, bricks move by them, and

@@ -128,6 +128,19 @@ bool PieceContacts::isCurrent(const model::Contact& contact) const {
   return known != given_.end() && source_.isCurrent(known->second);
 }
 
+void PieceContacts::appendRegion(const model::Contact& contact,
+                                 std::vector<model::Contact>& contacts) {
+  const auto known =
+      std::ranges::find_if(given_, [&](const auto& both) { return both.first == contact; });
+  if (known == given_.end()) return;
+  std::vector<model::Contact> found;
+  source_.appendRegion(known->second, found);
+  for (const model::Contact& ofBricks : found) {
+    contacts.push_back(ofPieces(ofBricks));
+    given_.emplace_back(contacts.back(), ofBricks);
+  }
+}
+
 /// A contact of bricks in the axes of their pieces.
 model::Contact PieceContacts::ofPieces(model::Contact contact) const {
   if (model::isBrick(contact.brickA)) {

@@ -55,6 +55,7 @@ class PieceContacts : public model::ContactSource {
   void startStep(const Poses& start) override;
   double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
   bool isCurrent(const model::Contact& contact) const override;
+  void appendRegion(const model::Contact& contact, std::vector<model::Contact>& contacts) override;
   double pairsExamined() const override { return source_.pairsExamined(); }
 
  private:

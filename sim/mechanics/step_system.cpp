@@ -32,7 +32,8 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
   const Vector3 b = poseB.rotation * contact.normal;
   const double length = a.cross(b).norm();
   const Vector3 normal = a.cross(b) / length;
-  const Vector3 between = poseA.apply(contact.pointA) - poseB.apply(contact.pointB);
+  const auto [onA, onB] = model::contactPoints(contact, poses);
+  const Vector3 between = onA - onB;
   const Vector3 d = between - normal.dot(between) * normal;
   row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
   row.normalB += Coordinates<D>::turning(b.cross(d.cross(a)) / length);
@@ -107,13 +108,16 @@ template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses) {
   const model::Contact& contact = row.contact;
   const Pose& poseA = model::poseOf(contact.brickA, poses);
-  const Vector3 armA = poseA.rotation * contact.pointA;
   const Vector3 normal = model::contactNormal(contact, poses);
+  const auto [onA, onB] = model::contactPoints(contact, poses);
+  const bool isCrossing = contact.isEdge && contact.isRegion;
+  const Vector3 armA =
+      isCrossing ? Vector3(onA - poseA.position) : Vector3(poseA.rotation * contact.pointA);
   Vector3 armB = Vector3::Zero();
   if (model::isBrick(contact.brickB)) {
     // A plane of B turns with B, so B's arm too goes to A's point.
     const Pose& poseB = poses[contact.brickB];
-    armB = contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
+    armB = contact.isEdge ? Vector3(onB - poseB.position)
                           : Vector3(poseA.position + armA - poseB.position);
   }
   row.normalA = Coordinates<D>::pointVelocity(armA, normal);

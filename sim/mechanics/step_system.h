@@ -171,7 +171,7 @@ struct ContactRow {
   using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
 
   model::Contact contact;  ///< as it was found
-  bool hasNormal = true;   ///< false for supports, which only rub
+  bool hasNormal = true;   ///< false for rows that only rub
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
   /// That of what does not move means nothing.
   RowVector normalA, normalB;
@@ -182,7 +182,10 @@ struct ContactRow {
   double multiplier = 0;  ///< normal impulse, >= 0
   Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
   double slipBound = 0;                      ///< largest tangential impulse
+  /// Of a row that rubs for a plane of contacts, the share of their push on it; else 0.
+  double slipShare = 0;
 
+  bool isRubbed = false;  ///< the first of a plane: there are rows that rub for it
   // The state that the present factor was made for.
   bool active = false;                                  ///< whether the normal pushes
   TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho
@@ -203,13 +206,15 @@ struct ContactRow {
   /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
-  /// Whether friction acts: supports have a bound from the start, contacts after they have pushed.
+  /// Whether friction acts.
   bool hasFriction() const { return slipBound > 0; }
   /// Whether it is in force in its present state.
   bool acts() const { return active || hasFriction(); }
 
   /// What the row of the next step takes from this one.
-  void transfer(StateTape& tape) { tape.transfer(contact, hasNormal, multiplier, slipMultiplier); }
+  void transfer(StateTape& tape) {
+    tape.transfer(contact, hasNormal, multiplier, slipMultiplier, slipShare);
+  }
 };
 
 /// The row of a contact at the poses where a step of `step` seconds starts. An overlap there

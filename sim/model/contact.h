@@ -1,6 +1,7 @@
 /// What pushes bricks: loads, contacts, and where joined bricks do not touch.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <span>
 #include <utility>
@@ -70,6 +71,10 @@ struct Contact {
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
   int partA = 0;                    ///< which convex part of a concave brick A, or of all obstacles
   int partB = 0;                    ///< likewise of B
+  /// A corner of the polygon in which a face of each brick overlap, or where two edges cross: the
+  /// point lies on both bricks. A polygon has corners of A over the face of B, corners of B over
+  /// the face of A, and crossings of their edges.
+  bool isRegion = false;
 
   bool operator==(const Contact&) const = default;
 
@@ -81,13 +86,19 @@ struct Contact {
         field("normal", &Contact::normal), field("is_edge", &Contact::isEdge),
         field("edge_a", &Contact::edgeA), field("friction", &Contact::friction),
         field("slack", &Contact::slack, "m"), field("part_a", &Contact::partA),
-        field("part_b", &Contact::partB));
+        field("part_b", &Contact::partB), field("is_region", &Contact::isRegion));
   }
 };
 
-/// Whether two contacts hold points of one brick against the same plane of another, or points of
-/// two bricks along the normal of the same two edges.
+/// Whether two contacts hold points of one brick against the same plane of another, points of two
+/// bricks along the normal of the same two edges, or corners of the region of the same two bricks.
 inline bool onOnePlane(const Contact& x, const Contact& y) {
+  if (x.isRegion != y.isRegion) return false;
+  const auto side = [](int brick, int part) { return std::pair{brick, part}; };
+  if (x.isRegion) {
+    return std::minmax({side(x.brickA, x.partA), side(x.brickB, x.partB)}) ==
+           std::minmax({side(y.brickA, y.partA), side(y.brickB, y.partB)});
+  }
   return x.brickA == y.brickA && x.brickB == y.brickB && x.partA == y.partA && x.partB == y.partB &&
          x.isEdge == y.isEdge && x.normal == y.normal && x.edgeA == y.edgeA;
 }
@@ -107,6 +118,27 @@ inline double contactGap(const Contact& contact, const Poses& poses) {
   return contactNormal(contact, poses).dot(pointA - pointB) + contact.slack;
 }
 
+/// Where a contact's force acts, world axes.
+struct ContactPoints {
+  Vector3 onA;  ///< on brick A
+  Vector3 onB;  ///< on brick B, as far from A's point as the gap is wide; of a plane A's point
+};
+
+/// The points of a contact at the given poses: where two edges cross, the nearest points of both.
+inline ContactPoints contactPoints(const Contact& contact, const Poses& poses) {
+  const Pose& poseA = poseOf(contact.brickA, poses);
+  const Pose& poseB = poseOf(contact.brickB, poses);
+  const Vector3 pointA = poseA.apply(contact.pointA);
+  if (!contact.isEdge) return {pointA, pointA};
+  const Vector3 pointB = poseB.apply(contact.pointB);
+  if (!contact.isRegion) return {pointA, pointB};
+  const Vector3 a = poseA.rotation * contact.edgeA;
+  const Vector3 b = poseB.rotation * contact.normal;
+  const Vector3 across = a.cross(b);
+  const Vector3 between = (pointB - pointA) / across.squaredNorm();
+  return {pointA + between.cross(b).dot(across) * a, pointB + between.cross(a).dot(across) * b};
+}
+
 /// Tells a solver what its bricks run into.
 class ContactSource {
  public:
@@ -124,6 +156,10 @@ class ContactSource {
   /// step, so that the step may begin with it: its point touches the other brick, or nothing else
   /// keeps the bricks apart.
   virtual bool isCurrent(const Contact& contact) const = 0;
+
+  /// Appends the corners that the region of a contact has at the start of the step; none if its
+  /// faces no longer overlap.
+  virtual void appendRegion(const Contact& contact, std::vector<Contact>& contacts) = 0;
 
   /// How many pairs of bricks were looked at closely so far; counts what the contacts cost.
   virtual double pairsExamined() const { return 0; }

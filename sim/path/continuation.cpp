@@ -175,7 +175,8 @@ class Mechanism {
 
   // Resets contacts: overlaps at these poses count as overlaps of the start.
   void restart(const Poses& start) {
-    dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start);
+    dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start,
+                                  contacts::FaceContact::Plane);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
   }

@@ -107,7 +107,8 @@ class Assembly {
   void beginAt(Poses poses) {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);
-    dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, motion_.poses);
+    dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, motion_.poses,
+                             contacts::FaceContact::Plane);
     // Joints of rounded tiles are springs, relative to the pull's own stiffness. If tiles fit in no
     // state nearby, joints have the stiffness for misfits.
     const double rounded = roundedJointStiffness(scene_.model);

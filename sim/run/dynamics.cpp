@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 #include "sim/engines/bullet_world.h"
+#include "sim/mechanics/friction_region.h"
 #include "sim/run/forces.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
@@ -30,13 +31,25 @@ bool keepsTolerance(const scene::Scene& scene) {
          !scene.path.jointsAreCompliant();
 }
 
+contacts::FaceContact faceContactOf(const scene::Scene& scene) {
+  const bool isPulled =
+      scene.actuation.drive == scene::Drive::Target && scene.model.target && scene.springs.pull();
+  return isPulled ? contacts::FaceContact::Plane : contacts::FaceContact::Region;
+}
+
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks,
-                                       const Poses& start) {
+                                       const std::vector<model::Brick>& bricks, const Poses& start,
+                                       contacts::FaceContact faces) {
   if (scene.solver.kind == scene::SolverKind::Bullet) {
     return makeBulletDynamics(scene, bricks, start);
   }
-  return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
+  return std::make_unique<DirectDynamics>(scene, needs, bricks, start, faces);
+}
+
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks,
+                                       const Poses& start) {
+  return makeDynamics(scene, needs, bricks, start, faceContactOf(scene));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -58,8 +71,7 @@ constexpr double kTouchingPart = 0.1;
 // Joints are closed below this part of a tile.
 constexpr double kClosed = 1e-10;
 
-/// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
-/// weight.
+/// Where the bricks of a planar scene rub on the ground, with an even pressure.
 std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
                                                const std::vector<model::Brick>& bricks) {
   std::vector<mechanics::Support> supports;
@@ -67,10 +79,14 @@ std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const 
   if (!needs.planar.on || !environment.ground) return supports;
   const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
   if (push == 0) return supports;
+  std::vector<std::vector<std::vector<Vector3>>> parts(bricks.size());
+  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
+    parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
+  }
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const double share = bricks[i].mass / static_cast<double>(bricks[i].bottom.size());
-    for (const Vector3& point : bricks[i].bottom) {
-      supports.push_back({static_cast<int>(i), point, push * share});
+    for (const mechanics::RubbingPoint& rubbing : mechanics::evenPressure(parts[i])) {
+      supports.push_back(
+          {static_cast<int>(i), rubbing.point, push * bricks[i].mass * rubbing.share});
     }
   }
   return supports;
@@ -82,16 +98,21 @@ struct PairSum {
   Vector3 moment = Vector3::Zero();  // about the origin
   Vector3 pointSum = Vector3::Zero();
   double weight = 0;
+  bool isPushed = false;  // points that only rub count until one pushes
 
   void add(const mechanics::TouchForce& touch, double sign) {
     force += sign * touch.force;
     moment += sign * touch.point.cross(touch.force);
-    const double share = touch.push > 0 ? touch.push : touch.force.norm();
+    if (touch.push > 0 && !std::exchange(isPushed, true)) {
+      pointSum.setZero();
+      weight = 0;
+    }
+    const double share = isPushed ? touch.push : touch.force.norm();
     pointSum += share * touch.point;
     weight += share;
   }
 
-  /// About the middle of what pushes; points that only rub count by that.
+  /// About the middle of what pushes, or of what rubs where nothing pushes.
   trajectory::Hold resultant(int tile, int other) const {
     const Vector3 point = pointSum / weight;
     return {trajectory::HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
@@ -128,7 +149,8 @@ void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
 }  // namespace
 
 DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                               const std::vector<model::Brick>& bricks, const Poses& start)
+                               const std::vector<model::Brick>& bricks, const Poses& start,
+                               contacts::FaceContact faces)
     : bricks_(bricks),
       countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(model::tileSize(scene.model)),
@@ -143,7 +165,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
   const auto finder = [&](double tolerance) {
     auto made = std::make_unique<contacts::ContactFinder>(
         bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
-        needs.planar.on, tolerance);
+        needs.planar.on, tolerance, faces);
     requireFree(made->overlapWithObstacle(start), scene.model);
     return made;
   };

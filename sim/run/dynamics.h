@@ -95,7 +95,15 @@ class Dynamics {
   virtual void transfer(StateTape& tape) = 0;
 };
 
+/// Whole planes while springs pull to a target: bricks that are wedged reach it only if faces
+/// guide them beyond their borders. Else the regions in which faces overlap.
+contacts::FaceContact faceContactOf(const scene::Scene& scene);
+
 /// The solver selected in the scene.
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks, const Poses& start,
+                                       contacts::FaceContact faces);
+/// The same with faceContactOf(scene).
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                        const std::vector<model::Brick>& bricks, const Poses& start);
 
@@ -109,7 +117,8 @@ class DirectDynamics : public Dynamics {
   /// start, and for springs or ligaments that the scene does not support. `bricks` need not outlive
   /// the call.
   DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                 const std::vector<model::Brick>& bricks, const Poses& start);
+                 const std::vector<model::Brick>& bricks, const Poses& start,
+                 contacts::FaceContact faces);
 
   bool assemble(Poses& poses) override;
   void fitVelocities(Motion& motion) override;

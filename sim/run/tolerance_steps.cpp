@@ -7,6 +7,7 @@
 // 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
 //    found by bisection between the step's ends, on cubics; the first of these moments is the
 //    impact.
+//    The same is done for the moment at which a corner that pushes leaves the region of two faces.
 // 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
 //    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
 //    contacts are held from then on.
@@ -71,10 +72,39 @@ bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double s
   return true;
 }
 
+/// Whether a corner of a region pushes in a step at whose end it is outside.
+bool ToleranceSteps::leaveBorders(const Motion& from, const Motion& to, double seconds) {
+  if (!contacts_.exact) return false;
+  std::vector<model::Contact> leaving = solver_.pushingContacts();
+  std::erase_if(leaving, [&](const model::Contact& contact) {
+    return contacts_.exact->insideBorders(contact, to.poses) >= -contacts_.touching;
+  });
+  if (leaving.empty()) return false;
+  meeting_ = {from, to, seconds, std::move(leaving), true};
+  return true;
+}
+
+/// When in the step that was not taken the first corner is as far outside its region as points that
+/// touch may be, seconds after its start.
+double ToleranceSteps::momentOfLeaving() const {
+  const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
+  double inside = 0, outside = seconds;
+  for (int k = 0; k < kImpactBisections && outside - inside > kSameMoment * seconds; ++k) {
+    const double middle = 0.5 * (inside + outside);
+    const Poses poses = mechanics::posesBetween(from, {}, to, seconds, middle);
+    const bool isOut = std::ranges::any_of(contacts, [&](const model::Contact& contact) {
+      return contacts_.exact->insideBorders(contact, poses) < -0.5 * contacts_.touching;
+    });
+    (isOut ? outside : inside) = middle;
+  }
+  return outside;
+}
+
 /// When in the step that was not taken the first of its contacts closes, seconds after its start.
 /// Nothing where bricks passed through each other.
 std::optional<double> ToleranceSteps::momentOfImpact() const {
-  const auto& [from, to, seconds, contacts] = *meeting_;
+  const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
+  if (isLeaving) return momentOfLeaving();
   std::optional<double> first;
   for (const model::Contact& contact : contacts) {
     if (model::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
@@ -94,15 +124,31 @@ void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
   solver_.holdContacts(contacts);
 }
 
-/// Keeps of the contacts that are held those whose points still touch.
+/// Keeps of the contacts that are held those whose points still touch. Regions get the corners that
+/// they have now.
 void ToleranceSteps::holdTouching(const Poses& poses) {
   std::vector<model::Contact> held = solver_.heldContacts();
   if (!held.empty()) contacts_.exact->startStep(poses);
-  std::erase_if(held, [&](const model::Contact& contact) {
+  const auto isOver = [&](const model::Contact& contact) {
     return model::contactGap(contact, poses) > contacts_.touching ||
            !contacts_.exact->isCurrent(contact);
-  });
-  setHeld(std::move(held));
+  };
+  std::erase_if(held, isOver);
+  std::vector<model::Contact> touching;
+  for (const model::Contact& contact : held) {
+    if (!contact.isRegion) {
+      touching.push_back(contact);
+    } else if (std::ranges::none_of(touching, [&](const model::Contact& other) {
+                 return model::onOnePlane(other, contact);
+               })) {
+      const std::size_t first = touching.size();
+      contacts_.exact->appendRegion(contact, touching);
+      touching.erase(std::remove_if(touching.begin() + static_cast<std::ptrdiff_t>(first),
+                                    touching.end(), isOver),
+                     touching.end());
+    }
+  }
+  setHeld(std::move(touching));
 }
 
 /// The impact on those of these contacts that have closed, at this moment of the call. From now on
@@ -129,7 +175,7 @@ double ToleranceSteps::collide(double now, const std::vector<model::Contact>& cl
 double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
                                        const mechanics::TimedLoads& loads, StepReport& report) {
   const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
-    return !meetOnTheWay(from, to, length);
+    return !meetOnTheWay(from, to, length) && !leaveBorders(from, to, length);
   };
   double done = 0;
   const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
@@ -152,10 +198,11 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
       const auto after = meeting_ ? momentOfImpact() : std::nullopt;
       if (!after || ++impacts > kMostImpacts) break;
       goal = done + *after;
-      closing = meeting_->contacts;
+      closing.clear();
+      if (!meeting_->isLeaving) closing = meeting_->contacts;
     }
-    if (closing.empty() || done < goal - shortest) continue;
-    report.impacted += collide(done, closing, motion);
+    if (done < goal - shortest) continue;
+    if (!closing.empty()) report.impacted += collide(done, closing, motion);
     goal = seconds;
     closing.clear();
   }

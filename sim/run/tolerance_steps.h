@@ -51,7 +51,9 @@ class ToleranceSteps {
 
  private:
   bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
+  bool leaveBorders(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
+  double momentOfLeaving() const;
   void setHeld(std::vector<model::Contact> contacts);
   void holdTouching(const Poses& poses);
   double collide(double now, const std::vector<model::Contact>& closing, Motion& motion);
@@ -60,12 +62,14 @@ class ToleranceSteps {
   StepReport goOnByFirstOrder(Motion& motion, double begin, double end,
                               const mechanics::TimedLoads& loads);
 
-  /// A step that was not taken, because bricks meet in it.
+  /// A step that was not taken, because bricks meet in it, or because a corner of a region pushes
+  /// that leaves it.
   struct Meeting {
     Motion from;
     Motion to;
     double seconds = 0;
     std::vector<model::Contact> contacts;  // that are violated at its end, whole planes of them
+    bool isLeaving = false;                // else they meet
   };
 
   const std::vector<model::Brick>& bricks_;

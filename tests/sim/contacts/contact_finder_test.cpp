@@ -110,6 +110,62 @@ TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
   EXPECT_GT(met, 50);
 }
 
+/// Convex polygons, anticlockwise from above: what both have (Sutherland and Hodgman).
+std::vector<Vector3> overlapOf(std::vector<Vector3> polygon, const std::vector<Vector3>& other) {
+  for (std::size_t k = 0; k < other.size(); ++k) {
+    const Vector3 edge = other[(k + 1) % other.size()] - other[k];
+    const auto inside = [&](const Vector3& p) {
+      return edge.x() * (p.y() - other[k].y()) - edge.y() * (p.x() - other[k].x());
+    };
+    std::vector<Vector3> cut;
+    for (std::size_t j = 0; j < polygon.size(); ++j) {
+      const Vector3 &p = polygon[j], &q = polygon[(j + 1) % polygon.size()];
+      const double atP = inside(p), atQ = inside(q);
+      if (atP >= 0) cut.push_back(p);
+      if (atP * atQ < 0) cut.emplace_back(p + atP / (atP - atQ) * (q - p));
+    }
+    polygon = cut;
+  }
+  return polygon;
+}
+
+TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
+  Chance chance(20);
+  int crossings = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::vector<model::Brick> bricks = {test::prism(3 + chance.below(4), 0.5, 0.1),
+                                              test::prism(3 + chance.below(4), 0.4, 0.1)};
+    const Pose world = chance.pose(3);
+    const Vector3 place(0.5 * chance.next(), 0.5 * chance.next(), 0.1001);
+    const Pose above = {place, rotationFromVector({0, 0, 3 * chance.next()})};
+    Pose fallen = above;
+    fallen.position.z() -= 0.01;
+    std::vector<Vector3> lower = bricks[0].bottom, upper;
+    for (const Vector3& point : bricks[1].bottom) upper.push_back(above.apply(point));
+    const std::vector<Vector3> wanted = overlapOf(upper, lower);
+    const Poses start = {world, moved(world, above)}, end = {world, moved(world, fallen)};
+    const Found found = look(bricks, start, end);
+    if (wanted.size() < 3) {
+      EXPECT_TRUE(found.contacts.empty());
+      continue;
+    }
+    ASSERT_EQ(found.contacts.size(), wanted.size());
+    for (const model::Contact& contact : found.contacts) {
+      EXPECT_TRUE(contact.isRegion);
+      crossings += contact.isEdge ? 1 : 0;
+      EXPECT_NEAR(model::contactGap(contact, start), 1e-4, 1e-12);
+      const Vector3 point =
+          world.rotation.conjugate() * (model::contactPoints(contact, start).onA - world.position);
+      double nearest = 1;
+      for (const Vector3& corner : wanted) {
+        nearest = std::min(nearest, (corner - point).head<2>().norm());
+      }
+      EXPECT_LT(nearest, 1e-12);
+    }
+  }
+  EXPECT_GT(crossings, 100);
+}
+
 TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
   Chance chance(3);
   int near = 0;

@@ -1,0 +1,28 @@
+/// Where a face that touches rubs: points that stand for an even pressure.
+#pragma once
+
+#include <vector>
+
+#include "sim/base/geometry.h"
+
+namespace kirireel::mechanics {
+
+/// A point that carries a share of what pushes a face.
+struct RubbingPoint {
+  Vector3 point;     ///< metres
+  double share = 1;  ///< of the whole push, > 0; the shares of a face add up to 1
+};
+
+/// Points for an even pressure on convex polygons in one plane that do not overlap. They have the
+/// centroid of the whole, and resist a turn about it just as the pressure does.
+/// O(corners): 3 points for each side of a polygon, 6 for each of a triangle.
+std::vector<RubbingPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
+
+/// Points for a push at `centre` through the convex hull of points that touch, in a plane across
+/// `normal`. The pressure is even on the hull if `centre` is its centroid. Else it is even on the
+/// hull shrunk about some point, as little as it takes to have its centroid there. Hulls can be
+/// points and lines.
+std::vector<RubbingPoint> rubbingPoints(const std::vector<Vector3>& touching, const Vector3& normal,
+                                        const Vector3& centre);
+
+}  // namespace kirireel::mechanics
