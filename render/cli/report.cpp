@@ -124,8 +124,14 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
         cost.took.touchingTime);
   }
   if (cost.took.singularTime > 0) {
-    text += fmt::format("; exceeded during {:.3g} s, when the joints were singular",
-                        cost.took.singularTime);
+    text += fmt::format(
+        "; exceeded during {:.3g} s, when joints were singular or springs too stiff for it",
+        cost.took.singularTime);
+  }
+  if (cost.took.rounding > 0 || cost.took.energyRounding > 0) {
+    text +=
+        fmt::format("; rounding adds up to {:.2g} tiles and {:.2g} J in all",
+                    cost.took.rounding / model::tileSize(scene.model), cost.took.energyRounding);
   }
   text += summary.timeError ? fmt::format("; a tenth of it moves vertices by at most {:.2g} tiles",
                                           *summary.timeError)

@@ -20,6 +20,10 @@ struct StepReport {
   /// Seconds in which the requested tolerance was not kept, because of many contacts ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or because of singular joints
+  /// By how much the errors of steps may exceed the requested tolerance because of rounding,
+  /// metres.
+  double rounding = 0;
+  double energyRounding = 0;  ///< the same of the energy, joules
   /// Energy removed by dampers, joules.
   double damped = 0;
   double impacted = 0;  ///< energy removed by contacts, through impacts and friction, joules
@@ -68,6 +72,8 @@ inline constexpr std::array kStepFigures = {
     stepFigure<&StepReport::rejected>("rejected_steps", "1", "cost"),
     stepFigure<&StepReport::touchingTime>("touching_time", "s", "accuracy"),
     stepFigure<&StepReport::singularTime>("singular_time", "s", "accuracy"),
+    stepFigure<&StepReport::rounding>("rounding", "m", "accuracy"),
+    stepFigure<&StepReport::energyRounding>("energy_rounding", "J", "accuracy"),
     stepFigure<&StepReport::damped>("damped", "J"),
     stepFigure<&StepReport::impacted>("impacted", "J"),
     stepFigure<&StepReport::work>("work", "1")};

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace kirireel::mechanics {
@@ -43,9 +44,25 @@ constexpr double kSameStepTime = 1e-9;
 // Joints count as closed below this fraction of a length scale.
 constexpr double kClosedGap = 1e-10;
 
+// Rounding of an energy difference, over its change by the last digit of all positions. The weights
+// of extrapolation rows add up to a hundred and more.
+constexpr double kRoundings = 200;
+// Where rounding keeps errors above the tolerance, it is raised by this factor at a time, at most
+// to the root of the last digit times those weights. It falls again after steps with less than this
+// part of the allowed error.
+constexpr double kSlackStep = 10;
+constexpr double kRounding = 1e-6;
+constexpr double kEasy = 0.05;
+
 /// Cost of a step with this many rows, in Euler steps. Closing costs about one.
 double costOf(int rows) {
   return 1 + 0.5 * rows * (rows + 1);
+}
+
+/// The order to begin with, as in SEULEX.
+int firstOrder(double tolerance) {
+  return std::clamp(static_cast<int>(std::lround(1.5 - 0.6 * std::log10(tolerance))), kFewestRows,
+                    kMostRows - 1);
 }
 
 /// The weights of the rows `first` to `last` of the table. Rows count from 1.
@@ -111,8 +128,7 @@ Extrapolation::Extrapolation(const std::vector<model::Brick>& bricks, JointSolve
       solver_(solver),
       settings_(settings),
       length_(kFirst * settings.longestStep),
-      order_(std::clamp(static_cast<int>(std::lround(1.5 - 0.6 * std::log10(settings.tolerance))),
-                        kFewestRows, kMostRows - 1)) {}
+      order_(firstOrder(settings.tolerance)) {}
 
 /// Crosses the step again, with one more Euler step.
 bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& report) {
@@ -174,6 +190,29 @@ double Extrapolation::difference(const Motion& a, const Motion& b, double second
   return largest;
 }
 
+/// The change of energy that a step of this length may have by its tolerance, joules.
+double Extrapolation::allowedEnergy(const Trial& trial, double most) const {
+  return kEnergyPart * trial.length / settings_.longestStep * tolerance() * most;
+}
+
+/// The rounding of a motion's energy, joules: its change by the last digits of positions and
+/// rotations. The energy of stiff springs loses digits in the difference of positions.
+double Extrapolation::roundingOf(const Motion& motion, double energy) const {
+  // Several last digits, because a pose rounds a single one.
+  constexpr double kDigits = 16;
+  constexpr double kDigit = kDigits * std::numeric_limits<double>::epsilon();
+  Motion moved = motion;
+  Vector3 sign(1, -1, 1);
+  for (Pose& pose : moved.poses) {
+    const Vector3 digits = kDigit * (pose.position.cwiseAbs().array() + settings_.lengthScale);
+    pose.position += digits.cwiseProduct(sign);
+    pose.rotation = (rotationFromVector(kDigit * sign) * pose.rotation).normalized();
+    // Neighbours move differently.
+    sign = Vector3(-sign.z(), sign.x(), sign.y());
+  }
+  return kRoundings / kDigits * std::abs(solver_.energy(moved) - energy);
+}
+
 /// Change of energy that loads and dampers do not explain, over the allowed change in a step of
 /// this length. Losses accumulate, because the Euler steps of all rows dissipate energy.
 double Extrapolation::energyError(const Trial& trial) const {
@@ -183,8 +222,7 @@ double Extrapolation::energyError(const Trial& trial) const {
   for (std::size_t j = 0; j < shares.size(); ++j) desired += shares[j] * trial.rows[j].given.work;
   const double energy = solver_.energy(trial.end);
   const double most = std::max({mostEnergy_, trial.energy, energy});
-  const double part = kEnergyPart * trial.length / settings_.longestStep;
-  const double allowed = part * settings_.tolerance * most;
+  const double allowed = std::max(allowedEnergy(trial, most), energyRounding_);
   return most > 0 ? std::abs(energy - desired) / allowed : 0;
 }
 
@@ -194,7 +232,7 @@ void Extrapolation::estimate(Trial& trial) const {
   trial.end = combine(trial, 1, order);
   // The difference of the orders k and k - 1 is the error of the latter: H^(k) up to higher powers.
   trial.off = difference(trial.end, combine(trial, 2, order), trial.length) /
-              (settings_.tolerance * settings_.lengthScale);
+              (tolerance() * settings_.lengthScale);
   const double error = std::max(trial.off, energyError(trial));
   // The error of a step is proportional to H^order. The length with an error of kAim tolerances is
   // H (kAim / error)^(1/order).
@@ -274,11 +312,18 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
   }
 }
 
+/// Adds what the step was allowed beyond the tolerance.
+void Extrapolation::countRounding(const Trial& trial, StepReport& report) const {
+  report.rounding += (slack_ - 1) * settings_.tolerance * settings_.lengthScale;
+  const double asked = allowedEnergy(trial, mostEnergy_) / slack_;
+  report.energyRounding += std::max(slack_ * asked, energyRounding_) - asked;
+}
+
 /// Unknown distance to rest of points that slide at the step's start and stick at its end, in
 /// tolerances. If the rows are too coarse, all stick immediately and give no estimate.
 double Extrapolation::caughtError(const Trial& trial) const {
   return 0.5 * trial.length * solver_.stickSlipSpeed(trial.start) /
-         (settings_.tolerance * settings_.lengthScale);
+         (tolerance() * settings_.lengthScale);
 }
 
 /// Sets order and length of the step after an accepted step.
@@ -313,10 +358,11 @@ void Extrapolation::chooseAgain(const Trial& trial) {
   order_ = std::max(best, kFewestRows);
 }
 
-std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
-                                          const StepFilter& mayTake, StepReport& report) {
+/// Tries steps of falling length until one keeps the tolerance.
+Extrapolation::Outcome Extrapolation::tryLengths(Motion& motion, double seconds,
+                                                 const TimedLoads& loads, const StepFilter& mayTake,
+                                                 StepReport& report) {
   const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
-  mostEnergy_ = std::max(mostEnergy_, energy);
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts =
         std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameStepTime);
@@ -324,11 +370,13 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;
     if (isSmooth && caught <= 1) {
-      if (!finish(trial, mayTake)) break;
+      if (!finish(trial, mayTake)) return {.isRefused = true};
       chooseNext(trial, tries > 0);
       countLosses(trial, report);
+      countRounding(trial, report);
+      if (trial.errors.back() < kEasy) slack_ = std::max(1.0, slack_ / kSlackStep);
       motion = std::move(trial.end);
-      return trial.length;
+      return {.taken = trial.length};
     }
     ++report.rejected;
     if (isSmooth) {
@@ -339,7 +387,27 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
     if (length_ < kShortest * settings_.longestStep) break;
   }
   length_ = kFirst * settings_.longestStep;
-  return std::nullopt;
+  return {};
+}
+
+std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
+                                          const StepFilter& mayTake, StepReport& report) {
+  if (settings_.keepsEnergy) {
+    const double energy = solver_.energy(motion);
+    mostEnergy_ = std::max(mostEnergy_, energy);
+    energyRounding_ = std::max(energyRounding_, roundingOf(motion, energy));
+  }
+  while (true) {
+    const Outcome outcome = tryLengths(motion, seconds, loads, mayTake, report);
+    if (outcome.taken || outcome.isRefused) {
+      if (outcome.isRefused) length_ = kFirst * settings_.longestStep;
+      return outcome.taken;
+    }
+    const double most = kRounding / settings_.tolerance;
+    if (slack_ >= most) return std::nullopt;
+    slack_ = std::min(kSlackStep * slack_, most);
+    order_ = firstOrder(tolerance());
+  }
 }
 
 namespace {

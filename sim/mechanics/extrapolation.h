@@ -31,7 +31,8 @@ struct ExtrapolationSettings {
   double lengthScale = 1;         ///< a typical tile edge, metres
   /// Whether steps also conserve energy, except for the work of loads (JointSolver::energy). The
   /// longest step may change it by a tenth of the tolerance, relative to the maximum so far; others
-  /// in proportion. Stiff ligaments oscillate faster than positions show.
+  /// in proportion. Stiff springs oscillate faster than positions show. Errors below the rounding
+  /// of the energy are not resolved; see StepReport::energyRounding.
   bool keepsEnergy = false;
 };
 
@@ -48,25 +49,41 @@ class Extrapolation {
   /// must be exact, and closed at the start. They are closed to rounding at the end.
   /// Returns the length of the step, seconds. Returns nothing, with an unchanged motion, if
   /// `mayTake` refuses the step or if no step above the minimum length keeps the tolerance,
-  /// as in states with singular joints. `mayTake` may be empty. Costs 1 + 2 + ... + k Euler
-  /// steps for a step of k rows, each with one factorisation, and one closing of the
-  /// joints.
+  /// as in states with singular joints. Tolerances below 1e-6 may be less than rounding errors:
+  /// then the step keeps the least multiple by a power of ten that it can, see
+  /// StepReport::rounding. `mayTake` may be empty. Costs 1 + 2 + ... + k Euler steps for a step of
+  /// k rows, each with one factorisation, and one closing of the joints.
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
                              const StepFilter& mayTake, StepReport& report);
 
   /// Whether fixed objects push some bricks: total momentum is then not conserved.
   void setSupported(bool supported) { isSupported_ = supported; }
 
-  /// The length and order of the next step, and the maximum energy so far.
-  void transfer(StateTape& tape) { tape.transfer(length_, order_, mostEnergy_); }
+  /// The length and order of the next step, the maximum energy and rounding so far, and the slack.
+  void transfer(StateTape& tape) {
+    tape.transfer(length_, order_, mostEnergy_, energyRounding_, slack_);
+  }
 
  private:
   struct Trial;
 
+  /// Of a search for a step.
+  struct Outcome {
+    std::optional<double> taken = {};  // seconds
+    bool isRefused = false;            // by the filter
+  };
+
+  double tolerance() const { return slack_ * settings_.tolerance; }
+  Outcome tryLengths(Motion& motion, double seconds, const TimedLoads& loads,
+                     const StepFilter& mayTake, StepReport& report);
+  void countRounding(const Trial& trial, StepReport& report) const;
+
   bool addRow(Trial& trial, const TimedLoads& loads, StepReport& report);
   Motion combine(const Trial& trial, int first, int last) const;
   void estimate(Trial& trial) const;
+  double allowedEnergy(const Trial& trial, double most) const;
   double energyError(const Trial& trial) const;
+  double roundingOf(const Motion& motion, double energy) const;
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
@@ -83,6 +100,8 @@ class Extrapolation {
   double length_;          // of the next step, seconds
   int order_;              // of the next step: expected number of rows
   double mostEnergy_ = 0;  // maximum so far, joules
+  double slack_ = 1;       // of the tolerance where rounding errors are larger
+  double energyRounding_ = 0;  // of an energy, maximum so far, joules
 };
 
 /// The poses at a time in a step of `length` seconds between two motions, through intermediate

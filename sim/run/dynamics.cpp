@@ -157,7 +157,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
       environment_(scene.environment),
       solver_(solverOf(scene, needs, bricks_)),  // which refers to its bricks
       substeps_(scene.solver.substeps.value_or(1)),
-      keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
+      keepsEnergy_(!scene::dynamicTies(scene, bricks).pairForces.empty()),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);

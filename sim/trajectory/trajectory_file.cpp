@@ -982,6 +982,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     for (const StepFigure& figure : kStepFigures) {
       const std::string name = arrayOf(figure);
+      if (!file.has(name)) continue;  // of an older file: zero
       const std::vector<double> entries = stepEntries(name);
       for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
     }

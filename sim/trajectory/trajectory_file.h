@@ -44,7 +44,8 @@
 ///                                              joint_gap, joint_gap_mean, target_error (m), and
 ///                                              its cost: solver_steps, halved_steps, ...
 ///                                              (files before 0.3 have none of rejected_steps to
-///                                              singular_time)
+///                                              singular_time, older ones no
+///                                              rounding, energy_rounding)
 ///     energy/NAME             samples          J; kinetic, spring, elastic, work, damped,
 ///                                              impacted
 ///     forces/joint            samples x joints x 3   N, on tile a, world axes; NaN: not balanced
