@@ -11,7 +11,7 @@ constexpr double kStiffnesses[] = {1, 25, 100, 200, 2000};
 constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
-constexpr double kSeconds = 1;
+constexpr double kRunSeconds = 1;
 constexpr double kMostCpuSeconds = 3;  // a run that wedges is cut off there
 
 /// The worst of all combinations of one model at one step.
@@ -47,7 +47,7 @@ Worst worstAtStep(scene::Scene scene, double rate) {
         scene.springs.springStiffness = stiffness;
         scene.springs.forceDamping = damping;
         scene.brick.thickness = thickness;
-        const int steps = static_cast<int>(std::lround(kSeconds * rate));
+        const int steps = static_cast<int>(std::lround(kRunSeconds * rate));
         study::SteppedScene run(scene);
         const study::Stability result = study::watchStability(run, steps, kMostCpuSeconds);
         worst.add(result, result.finite && result.steps < steps,
@@ -62,7 +62,7 @@ Worst worstAtStep(scene::Scene scene, double rate) {
 
 void printStabilityTable(const std::vector<NamedScene>& models, bool contacts) {
   fmt::print("\nStability, {} s each, contacts {}: 100 runs a line (k_f x mu_v x thickness)\n",
-             kSeconds, contacts ? "on" : "off");
+             kRunSeconds, contacts ? "on" : "off");
   fmt::print("{:<24}{:>8}{:>5}{:>10}{:>7}{:>11}{:>10}{:>8}  {}\n", "model", "step", "cut",
              "diverged", "grew", "growth", "gap/size", "unconv", "largest growth at");
   for (NamedScene named : models) {
