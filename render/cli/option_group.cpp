@@ -365,6 +365,27 @@ picture::GridShape parseGrid(const scene::TypedValue& value) {
   return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
+std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
+                              const std::string& requested) {
+  std::vector<int> numbers;
+  const char* at = value.text.data();
+  const char* const end = at + value.text.size();
+  while (at != end) {
+    int number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    const bool isLast = next == end;
+    // A comma must be followed by a number, so "3," is refused.
+    if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
+      throw scene::valueError(value, requested);
+    }
+    numbers.push_back(number);
+    at = isLast ? end : next + 1;
+  }
+  if (numbers.empty() || (count != 0 && numbers.size() != count))
+    throw scene::valueError(value, requested);
+  return numbers;
+}
+
 std::vector<int> parseTiles(const scene::TypedValue& value) {
   std::vector<int> tiles;
   if (value.text == "all") return tiles;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
@@ -55,6 +56,20 @@ std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value);
 /// "time,error": parts of a caption, or "none". Parts are progress, time, angle, error and gap;
 /// "none" excludes the others.
 picture::CaptionParts parseCaption(const scene::TypedValue& value);
+
+/// "3,0,7": whole numbers >= 0; exactly `count` of them if it is not 0. `requested` describes them
+/// in the error.
+std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
+                              const std::string& requested);
+
+/// Each list as "3,4", all of them in scene file syntax.
+template <typename List>
+std::string listsText(const std::vector<List>& lists) {
+  std::vector<std::string> texts;
+  for (const List& list : lists)
+    texts.push_back(scene::quotedText(fmt::format("{}", fmt::join(list, ","))));
+  return scene::quotedList(texts);
+}
 
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
 std::vector<int> parseTiles(const scene::TypedValue& value);

@@ -317,6 +317,17 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
+  group
+      .values("--trail", "TILE,VERTEX", "path of this vertex until each picture, as a line",
+              [&look](const scene::TypedValue& typed) {
+                const auto corner = parseIndices(typed, 2, "tile, vertex, as in 3,0");
+                look.trails.push_back({corner[0], corner[1]});
+              })
+      .serializedAs([&look] {
+        std::vector<std::array<int, 2>> corners;
+        for (const auto& [tile, vertex] : look.trails) corners.push_back({tile, vertex});
+        return listsText(corners);
+      });
   group.choice<picture::Ghost>("--ghost", look.ghost,
                                {picture::kGhosts.begin(), picture::kGhosts.end()},
                                "state drawn with every picture as pale transparent bricks");

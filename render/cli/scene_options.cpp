@@ -19,28 +19,6 @@
 namespace kirireel::cli {
 namespace {
 
-/// "3,0,7": whole numbers >= 0; exactly `count` of them if it is not 0.
-std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
-                              const std::string& requested) {
-  std::vector<int> numbers;
-  const char* at = value.text.data();
-  const char* const end = at + value.text.size();
-  while (at != end) {
-    int number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    const bool isLast = next == end;
-    // A comma must be followed by a number, so "3," is refused.
-    if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
-      throw scene::valueError(value, requested);
-    }
-    numbers.push_back(number);
-    at = isLast ? end : next + 1;
-  }
-  if (numbers.empty() || (count != 0 && numbers.size() != count))
-    throw scene::valueError(value, requested);
-  return numbers;
-}
-
 /// Splits "red,rgb(0,0,255),cuts" at commas outside parentheses.
 std::vector<std::string> splitNames(const scene::TypedValue& typed) {
   std::vector<std::string> names(1);
@@ -55,15 +33,6 @@ std::vector<std::string> splitNames(const scene::TypedValue& typed) {
   }
   if (has(names, "")) throw scene::valueError(typed, "colours, layers or ids, as in red,slits");
   return names;
-}
-
-template <typename List>
-/// Each list as "3,4", all of them in scene file syntax.
-std::string listsText(const std::vector<List>& lists) {
-  std::vector<std::string> texts;
-  for (const List& list : lists)
-    texts.push_back(scene::quotedText(fmt::format("{}", fmt::join(list, ","))));
-  return scene::quotedList(texts);
 }
 
 }  // namespace

@@ -142,24 +142,47 @@ void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, c
   }
 }
 
+/// A flat ribbon of a line that faces the camera.
+struct Ribbon {
+  Vector3 from;
+  Vector3 along;     ///< unit
+  Vector3 halfWide;  ///< from the middle to a side, metres
+  Vector3 lift;      ///< towards the eye, so faces that the line lies in do not hide it
+
+  /// The corners of its part between these distances from `from`.
+  std::array<Vector3, 4> part(double begin, double end) const {
+    return {from + begin * along - halfWide, from + end * along - halfWide,
+            from + end * along + halfWide, from + begin * along + halfWide};
+  }
+};
+
+/// Absent for a line that points at the camera.
+std::optional<Ribbon> ribbonOf(const Vector3& from, const Vector3& to, double width,
+                               const Camera& camera) {
+  const Vector3 along = (to - from).normalized();
+  const Vector3 back = towardsEye(camera, 0.5 * (from + to)).normalized();
+  const Vector3 across = back.cross(along);
+  if (!(across.norm() > 1e-6)) return std::nullopt;
+  return Ribbon{from, along, 0.5 * width * across.normalized(), kLineLift * width * back};
+}
+
+/// The visible part of a straight line, among the solid facets. Half a width longer at both ends,
+/// so corners of two lines are closed.
+void drawVisibleLine(const Ribbon& ribbon, double length, double width, Colour colour,
+                     PictureGeometry& geometry) {
+  std::array<Vector3, 4> whole = ribbon.part(-0.5 * width, length + 0.5 * width);
+  for (Vector3& corner : whole) corner += ribbon.lift;
+  geometry.solid.push_back(appendFacet(geometry, whole, colour));
+}
+
 /// A straight line as a ribbon that faces the camera, once as a whole among the solid facets and
 /// once in dashes over everything, which show its hidden parts. Empty if it points at the camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
               const Camera& camera, PictureGeometry& geometry) {
   const double length = (to - from).norm();
-  const Vector3 along = (to - from) / length;
-  const Vector3 back = towardsEye(camera, 0.5 * (from + to)).normalized();
-  const Vector3 across = back.cross(along);
-  if (!(across.norm() > 1e-6)) return;
-  const Vector3 side = 0.5 * width * across.normalized();
-  const auto ribbon = [&](double begin, double end) {
-    return std::array<Vector3, 4>{from + begin * along - side, from + end * along - side,
-                                  from + end * along + side, from + begin * along + side};
-  };
-  // Half a width longer at both ends, so corners of two lines are closed.
-  std::array<Vector3, 4> whole = ribbon(-0.5 * width, length + 0.5 * width);
-  for (Vector3& corner : whole) corner += kLineLift * width * back;
-  geometry.solid.push_back(appendFacet(geometry, whole, colour));
+  const std::optional<Ribbon> ribbon = ribbonOf(from, to, width, camera);
+  if (!ribbon) return;
+  drawVisibleLine(*ribbon, length, width, colour, geometry);
   // Begins and ends with half a dash, lengthened as above.
   const double dashes = std::max(1.0, std::round(length / (2 * kDashWidths * width)));
   const double dash = 0.5 * length / dashes;
@@ -167,7 +190,7 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
     const double middle = 2 * k * dash;
     const double begin = std::max(-0.5 * width, middle - 0.5 * dash);
     const double end = std::min(length + 0.5 * width, middle + 0.5 * dash);
-    geometry.overlay.push_back(appendFacet(geometry, ribbon(begin, end), colour));
+    geometry.overlay.push_back(appendFacet(geometry, ribbon->part(begin, end), colour));
   }
 }
 
@@ -193,6 +216,22 @@ void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour 
     checkInterruption();
     for (std::size_t k = 0; k < corners.size(); ++k) {
       drawLine(corners[k], corners[(k + 1) % corners.size()], width, colour, camera, geometry);
+    }
+  }
+}
+
+/// Points nearer than a width to the previous drawn one are left out, except the last.
+void drawTrails(const std::vector<std::vector<Vector3>>& trails, double width, Colour colour,
+                const Camera& camera, PictureGeometry& geometry) {
+  for (const std::vector<Vector3>& trail : trails) {
+    checkInterruption();
+    for (std::size_t k = 1, from = 0; k < trail.size(); ++k) {
+      const double length = (trail[k] - trail[from]).norm();
+      if (length < width && (k + 1 < trail.size() || length == 0)) continue;
+      if (const auto ribbon = ribbonOf(trail[from], trail[k], width, camera)) {
+        drawVisibleLine(*ribbon, length, width, colour, geometry);
+      }
+      from = k;
     }
   }
 }
@@ -340,7 +379,7 @@ void GeometryBuilder::drawGhosts(const PictureItems& items, const Camera& camera
   }
 }
 
-/// Order: ground, shadow, bricks, ghosts, obstacles, dots, lines.
+/// Order: ground, shadow, bricks, ghosts, obstacles, dots, trails, lines.
 void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
                            PictureGeometry& geometry) const {
   assert(items.poses.size() == faces_.size());
@@ -379,6 +418,7 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
   drawGhosts(items, camera, geometry);
   drawScenery(items.scenery, style_, camera, geometry);
   drawMarks(items.marks, 0.5 * style_.markSize * height, style_.mark, camera, geometry);
+  drawTrails(items.trails, style_.overlayWidth * height, style_.overlay, camera, geometry);
   drawOverlay(items.overlay, style_.overlayWidth * height, style_.overlay, camera, geometry);
 }
 

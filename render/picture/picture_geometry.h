@@ -85,6 +85,8 @@ struct PictureItems {
   std::vector<Vector3> marks;  ///< points with a dot, for example joints, world axes
   /// Closed polygons, drawn as lines, dashed if bricks hide them, world axes.
   std::vector<model::Tile> overlay;
+  /// Open lines through these points, hidden by bricks in front of them, world axes.
+  std::vector<std::vector<Vector3>> trails;
   std::vector<model::Tile>
       scenery;  ///< polygons that are not bricks, seen from both sides, world axes
   /// Faces of pale bricks without shadow, as from model::brickFaces(), world axes.

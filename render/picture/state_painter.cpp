@@ -232,6 +232,29 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
   return corners;
 }
 
+void requireVertices(const std::vector<TracedVertex>& trails,
+                     const std::vector<model::Brick>& bricks) {
+  for (const auto& [tile, vertex] : trails) {
+    if (tile >= static_cast<int>(bricks.size())) {
+      throw InputError(
+          fmt::format("error: --trail: there is no tile {}; the model's are numbered 0 to {}", tile,
+                      static_cast<long>(bricks.size()) - 1));
+    }
+    const long last = static_cast<long>(bricks[tile].bottom.size()) - 1;
+    if (vertex > last) {
+      throw InputError(
+          fmt::format("error: --trail: tile {} has no vertex {}; its vertices are numbered 0 to {}",
+                      tile, vertex, last));
+    }
+  }
+}
+
+Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
+                       const TracedVertex& vertex) {
+  const model::Brick& brick = content.bricks[vertex.tile];
+  return poses[vertex.tile].apply(0.5 * (brick.bottom[vertex.vertex] + brick.top[vertex.vertex]));
+}
+
 PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize size)
     : content_(std::move(content)),
       style_(styleFor(look, content_, requireValidSize(size))),
@@ -240,8 +263,10 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       cameras_(cameraFor(look, content_), pointsInView(content_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines),
+      trails_(look.trails),
       cueShare_(look.depthCue) {
   if (targetLines_) requireTarget(content_, "--target-lines");
+  requireVertices(trails_, content_.bricks);
   if (look.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
   ghosts_ = ghostFaces(look.ghost, content_);
   if (cueShare_ > 0 && cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
@@ -268,13 +293,20 @@ DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
 }
 
 PictureItems PictureSetup::items(const ShownState& state) const {
-  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}, {}, {}};
+  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}, {}, {},
+                     {}};
   if (jointMarks_) {
     for (const model::Pivot& pivot : content_.pivots) {
       items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
     }
   }
   if (targetLines_) items.overlay = *content_.target;
+  for (std::size_t k = 0; k < content_.paths.size(); ++k) {
+    const auto& [times, points] = content_.paths[k];
+    const auto end = std::ranges::lower_bound(times, state.time) - times.begin();
+    items.trails.emplace_back(points.begin(), points.begin() + end);
+    items.trails.back().push_back(vertexPosition(content_, state.poses, trails_[k]));
+  }
   items.scenery = content_.obstacles;
   items.ghosts = ghosts_;
   if (cueShare_ > 0) {

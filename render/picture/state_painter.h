@@ -87,6 +87,12 @@ struct TileOpacity {
   double opacity = 1;      ///< 0 (not drawn) to 1
 };
 
+/// A vertex of a tile, whose path during the run is drawn.
+struct TracedVertex {
+  int tile = 0;    ///< zero-based
+  int vertex = 0;  ///< zero-based
+};
+
 /// Widths of lines on the edges of tiles in print, points (1/72 inch).
 struct OutlineWidths {
   double slits = 0.5;         ///< between tiles
@@ -126,7 +132,8 @@ struct Look {
   std::optional<double> occlusion;
   bool jointMarks = false;    ///< a dot on each joint
   bool targetLines = false;   ///< the target's tiles as lines, dashed where bricks hide them
-  Ghost ghost = Ghost::None;  ///< state drawn as pale transparent bricks
+  std::vector<TracedVertex> trails;  ///< their paths until each picture, as lines
+  Ghost ghost = Ghost::None;         ///< state drawn as pale transparent bricks
   /// Share of the background's colour in the farthest faces of the run, [0, 1]; see DepthCue.
   double depthCue = 0;
   GroundLook ground = GroundLook::Auto;  ///< display of the ground
@@ -192,6 +199,12 @@ class Strip {
 // ------------------------------------------------------------------------------------------------
 // Selects the colours of bricks.
 
+/// A path in time.
+struct TimedPath {
+  std::vector<double> times;    ///< simulated seconds, increasing
+  std::vector<Vector3> points;  ///< one per time, world axes, metres
+};
+
 /// Contents of the pictures of a run, made once for all pictures. Lengths are in metres. A
 /// trajectory in another unit has all lengths in that unit.
 struct PictureContent {
@@ -207,6 +220,8 @@ struct PictureContent {
   std::vector<Vector3> points;  ///< points that cameras keep in view, world axes
   /// Selected for the motion if the look has an automatic view; absent: by the points.
   std::optional<AutomaticView> view;
+  /// The paths of the look's trails, in their order; empty before the run.
+  std::vector<TimedPath> paths;
   /// Of the run, one pose per brick. They determine the ranges of the colours' values and of the
   /// depth cue. Empty before the run.
   std::vector<Poses> states;
@@ -304,6 +319,14 @@ void keepInView(PictureContent& content, const Poses& poses);
 /// Whether the look requests an automatic camera direction.
 bool needsView(const Look& look);
 
+/// Throws InputError for a vertex that no brick has.
+void requireVertices(const std::vector<TracedVertex>& trails,
+                     const std::vector<model::Brick>& bricks);
+
+/// Where a vertex of a brick is: the middle between its bottom and its top.
+Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
+                       const TracedVertex& vertex);
+
 /// Selects the view of a motion from some of its states. The first state is its start.
 void setView(const Look& look, std::span<const Poses> states, PictureContent& content);
 
@@ -356,6 +379,7 @@ class PictureSetup {
   CameraPath cameras_;
   bool jointMarks_;
   bool targetLines_;
+  std::vector<TracedVertex> trails_;
   std::vector<std::vector<std::vector<Vector3>>> ghosts_;  ///< see PictureItems
   double cueShare_;                                        ///< of a depth cue
   std::optional<DepthCue> stillCue_;                       ///< of a fixed camera

@@ -63,6 +63,18 @@ void keepStates(picture::PictureContent& content, const trajectory::TrajectoryRe
   content.states.push_back(run.sample(count - 1).poses);
 }
 
+/// The paths of traced vertices, with all samples.
+void keepPaths(picture::PictureContent& content, const trajectory::TrajectoryReader& run,
+               const std::vector<picture::TracedVertex>& trails) {
+  content.paths.assign(trails.size(), {run.times(), {}});
+  for (std::size_t i = 0; i < run.times().size(); ++i) {
+    const Poses poses = run.sample(i).poses;
+    for (std::size_t k = 0; k < trails.size(); ++k) {
+      content.paths[k].points.push_back(picture::vertexPosition(content, poses, trails[k]));
+    }
+  }
+}
+
 /// From the start, the middle of the motion and the end.
 void chooseViewOf(const trajectory::TrajectoryReader& run, const picture::Look& look,
                   picture::PictureContent& content) {
@@ -129,6 +141,8 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
   if (!fits) keepRunInView(content, run);
   const bool needsScale = picture::isMeasure(settings.look.colouring) && !settings.look.colourMost;
   if (needsScale || settings.look.depthCue > 0) keepStates(content, run);
+  picture::requireVertices(settings.look.trails, content.bricks);
+  if (!settings.look.trails.empty()) keepPaths(content, run, settings.look.trails);
   return content;
 }
 

@@ -258,6 +258,7 @@ Json lookJson(const picture::Look& look) {
           {"outlines", look.outlines},
           {"joint_marks", look.jointMarks},
           {"target_lines", look.targetLines},
+          {"trails", look.trails.size()},
           {"ghost", wordOf(picture::kGhosts, look.ghost)},
           {"depth_cue", look.depthCue},
           {"zoom", look.camera.zoom},

@@ -172,6 +172,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--no-outlines", {}},
       {"--mark-joints", {}},
       {"--target-lines", {}},
+      {"--trail", {"0,1", "3,2"}},
       {"--ghost", {"target", "start"}},
       {"--depth-cue", {"0.5", "0.1"}},
       {"--view", {"top", "iso", "side", "45,30", "33.3,-7.1"}},

@@ -114,6 +114,37 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
             "choose --projection parallel");
 }
 
+TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
+  picture::Look look;
+  look.trails = {{2, 1}};
+  picture::PictureContent content = tessellationContent();
+  content.paths = {{{0, 1, 2}, {{9, 0, 0}, {9, 1, 0}, {9, 2, 0}}}};
+  const picture::PictureSetup setup(look, content, {300, 300});
+  const picture::PictureItems items = setup.items({1.5, content.start, {}});
+  // The samples before, then where the vertex is: the middle of the brick's edge there.
+  const Vector3 here =
+      content.start[2].apply(0.5 * (content.bricks[2].bottom[1] + content.bricks[2].top[1]));
+  ASSERT_EQ(items.trails.size(), 1U);
+  EXPECT_THAT(items.trails[0], testing::ElementsAre(Vector3(9, 0, 0), Vector3(9, 1, 0), here));
+  // A visible line per part, none at the first sample.
+  const std::size_t before = setup.geometry({0, content.start, {}}).solid.size();
+  EXPECT_EQ(setup.geometry({1.5, content.start, {}}).solid.size(), before + 2);
+}
+
+TEST(PictureSetup, RefusesTrailsOfVerticesThatAreNotThere) {
+  picture::Look look;
+  look.trails = {{16, 0}};
+  EXPECT_EQ(test::refusalOf([&] {
+              picture::PictureSetup(look, tessellationContent(), {300, 300});
+            }),
+            "error: --trail: there is no tile 16; the model's are numbered 0 to 15");
+  look.trails = {{0, 4}};
+  EXPECT_EQ(test::refusalOf([&] {
+              picture::PictureSetup(look, tessellationContent(), {300, 300});
+            }),
+            "error: --trail: tile 0 has no vertex 4; its vertices are numbered 0 to 3");
+}
+
 TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
   picture::Look look;
   look.targetLines = true;
