@@ -83,10 +83,9 @@ double largestOpening(const run::DeploymentResult& run) {
   return std::max(run.accuracy.jointGapMax, run.accuracy.jointOpeningMax);
 }
 
-// Measured: joints open by 0.54 digits at most, the ends are at most 2.0 digits from their targets.
-TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
+void expectSmallOpenings(int firstSeed, int endSeed) {
   double worst = 0, farthest = 0;
-  for (int seed = 0; seed < 100; ++seed) {
+  for (int seed = firstSeed; seed < endSeed; ++seed) {
     const int places = 3 + seed / 4 % 2;
     const run::DeploymentResult run =
         deploy::deploy(sceneOf(rounded(seededSheet(seed), places)), 1, nullptr);
@@ -97,8 +96,17 @@ TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
     EXPECT_LE(run.accuracy.targetErrorEnd, 5 * digit) << "seed " << seed << ": " << run.reason;
     EXPECT_TRUE(run.atTarget.value_or(false)) << "seed " << seed << ": " << run.reason;
   }
-  RecordProperty("worst_opening_in_digits", fmt::format("{:.3g}", worst));
-  RecordProperty("farthest_end_in_digits", fmt::format("{:.3g}", farthest));
+  testing::Test::RecordProperty("worst_opening_in_digits", fmt::format("{:.3g}", worst));
+  testing::Test::RecordProperty("farthest_end_in_digits", fmt::format("{:.3g}", farthest));
+}
+
+// Measured: joints open by 0.54 digits at most, the ends are at most 2.0 digits from their targets.
+TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
+  expectSmallOpenings(0, 24);  // three of each kind and number of decimals
+}
+
+TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMostMany) {
+  expectSmallOpenings(24, 100);
 }
 
 // A closed start and a closed target are singular: gaps grow there with the square of a turn.
