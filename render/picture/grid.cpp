@@ -136,14 +136,16 @@ void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& sty
   const ScaleDrawer drawer(em, style.text);
   const int right = layout.sheet.width - layout.gap;
   for (int row = 0; row < static_cast<int>(style.rows.size()); ++row) {
-    const auto& [picture, head, metresPerPixel] = style.rows[row];
+    const auto& [picture, head, scale] = style.rows[row];
     const double upper = layout.upper(row) - layout.letterHeight - layout.rowHeadHeight;
     const double baseline = upper + std::round(kHeadBaselineEms * layout.textSize);
     drawHead(sheet, nameRows(style) ? style.letters : PanelLetters::None, row, head, layout.gap,
              baseline, em, style.text);
-    if (!metresPerPixel) continue;
-    const ScaleLength length = roundLength(kLongestBar * layout.picture.width * *metresPerPixel);
-    const int pixels = static_cast<int>(std::lround(length.metres / *metresPerPixel));
+    if (!scale) continue;
+    const auto& [metresPerPixel, unit] = *scale;
+    const ScaleLength length =
+        roundLength(kLongestBar * layout.picture.width * metresPerPixel, unit);
+    const int pixels = static_cast<int>(std::lround(length.metres / metresPerPixel));
     const int room = pixels + LabelWriter(em).width(length.text) + em;
     drawer.drawScaleBar(sheet, length.text, pixels, right - room / 2,
                         static_cast<int>(baseline - em / 3));
@@ -173,10 +175,11 @@ void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style
   const int middle = layout.sheet.width / 2;
   int y = layout.sheet.height - layout.gap / 2 - layout.scales * layout.scaleHeight +
           layout.scaleHeight / 2;
-  if (style.metresPerPixel) {
+  if (style.scale) {
+    const auto& [metresPerPixel, unit] = *style.scale;
     const ScaleLength length =
-        roundLength(kLongestBar * layout.picture.width * *style.metresPerPixel);
-    const int pixels = static_cast<int>(std::lround(length.metres / *style.metresPerPixel));
+        roundLength(kLongestBar * layout.picture.width * metresPerPixel, unit);
+    const int pixels = static_cast<int>(std::lround(length.metres / metresPerPixel));
     drawer.drawScaleBar(sheet, length.text, pixels, middle, y);
     y += layout.scaleHeight;
   }
@@ -264,7 +267,7 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   const double scaleEms = kScaleEms + (style.colourScale ? kColourBarHeight - 1 : 0);
   layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
   layout.scales =
-      (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.metresPerPixel ? 1 : 0);
+      (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.scale ? 1 : 0);
   // In 64 bits, because the typed numbers of rows and columns may be large.
   const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
                           (shape.columns - 1) * static_cast<long long>(layout.columnGap);
@@ -395,13 +398,15 @@ std::string progressText(double progress) {
 }  // namespace
 
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
+  const auto lengthText = [&](double metres) {
+    return fmt::format("{} {}", twoDigits(metres / values.unit.metres), values.unit.name);
+  };
   std::vector<std::string> texts;
   if (parts.progress) texts.push_back(progressText(values.progress));
   if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
   if (parts.angle) texts.push_back(fmt::format("turned {:.1f}°", values.angle / kDegree));
-  if (parts.error && values.error)
-    texts.push_back(fmt::format("error {} m", twoDigits(*values.error)));
-  if (parts.gap) texts.push_back(fmt::format("gap {} m", twoDigits(values.gap)));
+  if (parts.error && values.error) texts.push_back("error " + lengthText(*values.error));
+  if (parts.gap) texts.push_back("gap " + lengthText(values.gap));
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 

@@ -65,7 +65,7 @@ struct GridRow {
   FrameSize picture;  ///< of each of its pictures, at most as wide as a cell
   std::string head;   ///< over the row, UTF-8
   /// Of its pictures, if rows have their own scales: its header has a bar of a round length.
-  std::optional<double> metresPerPixel;
+  std::optional<PictureScale> scale;
 };
 
 /// The style of a grid. Lengths are in heights of one picture, so grids of any size appear similar.
@@ -87,7 +87,7 @@ struct GridStyle {
   /// The same if colours show kinds of bricks.
   std::vector<LegendEntry> legend;
   /// Of all pictures: if present, a bar of a round length is drawn below them.
-  std::optional<double> metresPerPixel;
+  std::optional<PictureScale> scale;
 };
 
 /// Positions of the cells of a grid, pixels.
@@ -166,6 +166,7 @@ struct CaptionValues {
   double angle = 0;             ///< radians
   std::optional<double> error;  ///< metres
   double gap = 0;               ///< metres
+  LengthUnit unit;              ///< of lengths in the text
 };
 
 /// For example "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m"; empty when it has no parts.

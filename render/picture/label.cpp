@@ -772,15 +772,12 @@ double shareOf(const ColourScale& scale, double value) {
   return range > 0 ? (value - scale.least) / range : 0;
 }
 
-ScaleLength roundLength(double longest) {
-  const double power = std::pow(10.0, std::floor(std::log10(longest) + 1e-9));
-  const double ratio = longest / power * (1 + 1e-9);
-  const double metres = power * (ratio >= 5 ? 5 : ratio >= 2 ? 2 : 1);
-  if (metres >= 0.1 && metres < 1000) return {metres, fmt::format("{:g} m", metres)};
-  if (metres >= 1000) return {metres, fmt::format("{:g} km", metres / 1000)};
-  if (metres >= 1e-3) return {metres, fmt::format("{:g} mm", metres * 1e3)};
-  if (metres >= 1e-6) return {metres, fmt::format("{:g} um", metres * 1e6)};
-  return {metres, fmt::format("{:g} nm", metres * 1e9)};
+ScaleLength roundLength(double longest, const LengthUnit& unit) {
+  const double units = longest / unit.metres;
+  const double power = std::pow(10.0, std::floor(std::log10(units) + 1e-9));
+  const double ratio = units / power * (1 + 1e-9);
+  const double length = power * (ratio >= 5 ? 5 : ratio >= 2 ? 2 : 1);
+  return {length * unit.metres, fmt::format("{:g} {}", length, unit.name)};
 }
 
 int ScaleDrawer::baseline(int y) const {

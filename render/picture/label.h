@@ -10,6 +10,7 @@
 
 #include "render/picture/frame.h"
 #include "render/picture/style.h"
+#include "sim/base/length_unit.h"
 
 namespace kirireel::picture {
 
@@ -245,15 +246,21 @@ struct LegendEntry {
 /// 0 if the scale has no range.
 double shareOf(const ColourScale& scale, double value);
 
-/// Length of a scale bar: 1, 2 or 5 times a power of ten, at most `longest`, and its text, for
-/// example "0.5 m" or "20 mm".
+/// Scale of a picture with a bar of length.
+struct PictureScale {
+  double metresPerPixel = 1;  ///< > 0
+  LengthUnit unit;            ///< of the bar's text
+};
+
+/// Length of a scale bar: 1, 2 or 5 times a power of ten units, and its text, for example "0.5 m"
+/// or "20 mm".
 struct ScaleLength {
   double metres = 1;  ///< > 0
   std::string text;   ///< with its unit, ASCII
 };
 
-/// The longest such length. longest: metres, > 0. Units from 1 um: um, mm, m, km.
-ScaleLength roundLength(double longest);
+/// The longest such length that is at most `longest` metres, > 0.
+ScaleLength roundLength(double longest, const LengthUnit& unit);
 
 /// Height of a bar of colours with its ticks and their values, ems of the text.
 inline constexpr double kColourBarHeight = 2.4;

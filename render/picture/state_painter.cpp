@@ -192,6 +192,7 @@ void setView(const Look& look, std::span<const Poses> states, PictureContent& co
 PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
                            const std::optional<scene::Ground>& ground) {
   PictureContent content;
+  content.unit = model.unit;
   content.size = model::modelSize(model);
   content.bricks = model::makeBricks(model.tiles, rule);
   content.start = model::startPoses(model.tiles, content.bricks);
@@ -366,7 +367,7 @@ StatePainter::StatePainter(const StatePainter& other, Smoothness smoothness)
       parts_(other.parts_),
       smoothness_(smoothness),
       setup_(other.setup_),
-      metresPerPixel_(other.metresPerPixel_) {
+      scale_(other.scale_) {
   makeStrip(setup_->style(), setup_->colouring());
   makePainter();
 }
@@ -392,15 +393,15 @@ void StatePainter::makePainter() {
 void StatePainter::show(const Look& look, PictureContent content) {
   makeStrip(pageStyle(look), look.colouring);
   setup_ = std::make_shared<const PictureSetup>(look, std::move(content), strip_->picture());
-  metresPerPixel_.reset();
-  if (parts_.scaleBar) metresPerPixel_ = setup_->metresPerPixel();
+  scale_.reset();
+  if (parts_.scaleBar) scale_ = setup_->scale();
   makePainter();
 }
 
 Frame StatePainter::paint(const ShownState& state, const StripText& text, Frame storage) {
   const Camera camera = setup_->camera(state);
   Frame frame = painter_->paint(setup_->items(state), camera, std::move(storage));
-  strip_->append(frame, text, setup_->colourScale(), setup_->legend(), metresPerPixel_);
+  strip_->append(frame, text, setup_->colourScale(), setup_->legend(), scale_);
   return frame;
 }
 
@@ -475,7 +476,7 @@ double Strip::scalesEms() const {
 
 void Strip::append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
                    const std::vector<LegendEntry>& legend,
-                   const std::optional<double>& metresPerPixel) const {
+                   const std::optional<PictureScale>& scale) const {
   if (height_ == 0) return;
   int upper = picture.size.height;
   const Frame strip = makeFrame({whole_.width, height_}, background_);
@@ -488,7 +489,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
     upper += rounded(kStripLineEms * em_);
   }
   if (scales_) {
-    drawScales(picture, upper, colours, legend, metresPerPixel);
+    drawScales(picture, upper, colours, legend, scale);
     upper += rounded(scalesEms() * em_);
   }
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
@@ -497,19 +498,20 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
 /// Next to each other if there are both.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                        const std::vector<LegendEntry>& legend,
-                       const std::optional<double>& metresPerPixel) const {
+                       const std::optional<PictureScale>& scale) const {
   FrameSurface surface(frame);
   const int y = upper + rounded(0.5 * scalesEms() * em_);
-  const bool both = (parts_.colours || parts_.legend) && metresPerPixel;
+  const bool both = (parts_.colours || parts_.legend) && scale;
   const int width = frame.size.width;
   const int middle = both ? width / 3 : width / 2, room = both ? 2 * width / 3 : width;
   if (parts_.colours && colours) scales_->drawColourBar(surface, *colours, middle, y, room);
   if (parts_.legend) {
     scales_->drawLegend(surface, legend, middle, y, static_cast<int>(kUsedWidth * room));
   }
-  if (!metresPerPixel) return;
-  const ScaleLength length = roundLength(kLongestLength * width * *metresPerPixel);
-  scales_->drawScaleBar(surface, length.text, rounded(length.metres / *metresPerPixel),
+  if (!scale) return;
+  const ScaleLength length =
+      roundLength(kLongestLength * width * scale->metresPerPixel, scale->unit);
+  scales_->drawScaleBar(surface, length.text, rounded(length.metres / scale->metresPerPixel),
                         both ? 5 * width / 6 : width / 2, y);
 }
 
@@ -608,12 +610,12 @@ std::string shapeName(const model::Brick& brick) {
   return fmt::format("{}{}-gon", concave, corners);
 }
 
-const char* titleOf(Colouring colouring) {
+std::string titleOf(Colouring colouring, const LengthUnit& unit) {
   switch (colouring) {
     case Colouring::TargetError:
-      return "target error, m";
+      return "target error, " + unit.name;
     case Colouring::Displacement:
-      return "displacement, m";
+      return "displacement, " + unit.name;
     case Colouring::Rotation:
       return "rotation, degrees";
     case Colouring::Moment:
@@ -621,7 +623,7 @@ const char* titleOf(Colouring colouring) {
     case Colouring::Energy:
       return "energy, J";
     default:
-      return "joint gap, m";
+      return "joint gap, " + unit.name;
   }
 }
 
@@ -716,7 +718,8 @@ void BrickPalette::makeScale(const Look& look) {
                     "smaller one, or a larger --colour-most",
                     least, most));
   }
-  scale_ = ColourScale{look.map, least, most, titleOf(colouring_), groundColour(look, content_)};
+  scale_ = ColourScale{look.map, least, most, titleOf(colouring_, content_.unit),
+                       groundColour(look, content_)};
 }
 
 void BrickPalette::findOpacities(const Look& look) {
@@ -778,9 +781,10 @@ double BrickPalette::largestExpected() const {
     case Colouring::TargetError:
     case Colouring::Displacement:
       // The whole distance to the target, or without a target half the size of the view.
-      return content_.target ? largest(trajectory::brickTargetErrors(
-                                   *content_.target, content_.bricks, content_.start))
-                             : 0.5 * diagonal(content_.points);
+      return (content_.target ? largest(trajectory::brickTargetErrors(
+                                    *content_.target, content_.bricks, content_.start))
+                              : 0.5 * diagonal(content_.points)) /
+             content_.unit.metres;
     case Colouring::Rotation:
       return 90;
     case Colouring::Moment:
@@ -788,17 +792,21 @@ double BrickPalette::largestExpected() const {
       return 1;
     default:
       // Exact joints stay far below this, those of the baseline solver do not.
-      return 1e-6 * meanEdge(content_.bricks);
+      return 1e-6 * meanEdge(content_.bricks) / content_.unit.metres;
   }
 }
 
 /// One per brick, in the unit of titleOf().
 std::vector<double> BrickPalette::values(const Poses& poses) const {
+  const auto inUnits = [&](std::vector<double> lengths) {
+    for (double& length : lengths) length /= content_.unit.metres;
+    return lengths;
+  };
   switch (colouring_) {
     case Colouring::TargetError:
-      return trajectory::brickTargetErrors(*content_.target, content_.bricks, poses);
+      return inUnits(trajectory::brickTargetErrors(*content_.target, content_.bricks, poses));
     case Colouring::Displacement:
-      return trajectory::brickDisplacements(content_.start, poses);
+      return inUnits(trajectory::brickDisplacements(content_.start, poses));
     case Colouring::Rotation: {
       std::vector<double> degrees = trajectory::brickRotations(content_.start, poses);
       for (double& angle : degrees) angle /= kDegree;
@@ -809,7 +817,7 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
     case Colouring::Energy:
       return trajectory::brickElasticEnergies(content_.pairForces, poses);
     default:
-      return trajectory::brickJointGaps(content_.pivots, poses);
+      return inUnits(trajectory::brickJointGaps(content_.pivots, poses));
   }
 }
 

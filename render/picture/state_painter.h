@@ -173,16 +173,16 @@ class Strip {
 
   /// Appends the strip to a picture, which has the size of picture() and gets that of the whole
   /// frame. colours: absent if the bricks' colours show no values; legend: empty if they show no
-  /// kinds; metresPerPixel: absent if no scale bar was requested.
+  /// kinds; scale: absent if no scale bar was requested.
   void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
               const std::vector<LegendEntry>& legend,
-              const std::optional<double>& metresPerPixel) const;
+              const std::optional<PictureScale>& scale) const;
 
  private:
   double scalesEms() const;
   void drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                   const std::vector<LegendEntry>& legend,
-                  const std::optional<double>& metresPerPixel) const;
+                  const std::optional<PictureScale>& scale) const;
   void drawProgress(Frame& frame, int upper, double progress) const;
 
   FrameSize whole_;
@@ -205,10 +205,10 @@ struct TimedPath {
   std::vector<Vector3> points;  ///< one per time, world axes, metres
 };
 
-/// Contents of the pictures of a run, made once for all pictures. Lengths are in metres. A
-/// trajectory in another unit has all lengths in that unit.
+/// Contents of the pictures of a run, made once for all pictures. Lengths are in metres.
 struct PictureContent {
   std::vector<model::Brick> bricks;                ///< one per tile
+  LengthUnit unit;                                 ///< of the model, for texts
   Poses start;                                     ///< one per brick
   std::vector<model::Pivot> pivots;                ///< of all joints
   model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
@@ -369,6 +369,9 @@ class PictureSetup {
   /// The size of one pixel, metres. Throws InputError if pictures have no common scale.
   double metresPerPixel() const;
 
+  /// The same with the unit of the model. Throws like metresPerPixel().
+  PictureScale scale() const { return {metresPerPixel(), content_.unit}; }
+
  private:
   DepthCue depthCueFrom(const Camera& camera) const;
 
@@ -425,7 +428,7 @@ class StatePainter {
   std::optional<Strip> strip_;  ///< made for each content, like the setup; always present
   std::shared_ptr<const PictureSetup> setup_;
   std::optional<Painter> painter_;        ///< made again when the strip's height changes
-  std::optional<double> metresPerPixel_;  ///< present if there is a scale bar
+  std::optional<PictureScale> scale_;     ///< present if there is a scale bar
 };
 
 }  // namespace kirireel::picture

@@ -163,8 +163,9 @@ void requirePaintable(const picture::PictureContent& content, const PictureSetti
 
 std::string CaptionWriter::text(const FrameState& state, double progress) const {
   const std::vector<double> turned = trajectory::brickRotations(start_, state.sample.poses);
-  picture::CaptionValues values{progress, state.moment.time, *std::ranges::max_element(turned),
-                                std::nullopt, state.sample.jointGap};
+  picture::CaptionValues values{
+      progress,     state.moment.time,     *std::ranges::max_element(turned),
+      std::nullopt, state.sample.jointGap, unit_};
   if (hasTarget_) values.error = state.sample.targetError;
   return picture::captionText(parts_, values);
 }
@@ -178,9 +179,10 @@ std::string CaptionWriter::inVideo(const FrameState& state) const {
 }
 
 std::string CaptionWriter::longest(double endTime) const {
-  constexpr double kLongLength = 8.8e-88;  // metres, in the form with the most letters
-  picture::CaptionValues values{1, endTime, std::numbers::pi, std::nullopt, kLongLength};
-  if (hasTarget_) values.error = kLongLength;
+  constexpr double kLongLength = 8.8e-88;  // of the unit, in the form with the most letters
+  picture::CaptionValues values{
+      1, endTime, std::numbers::pi, std::nullopt, kLongLength * unit_.metres, unit_};
+  if (hasTarget_) values.error = values.gap;
   return picture::captionText(parts_, values);
 }
 
@@ -577,14 +579,14 @@ picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
     }
   }
   const bool ownScales = hasSeveralRuns() && !settings_.sameScale;
-  if (settings_.scaleBar && !ownScales) style.metresPerPixel = setup.metresPerPixel();
+  if (settings_.scaleBar && !ownScales) style.scale = setup.scale();
   style.letters = settings_.letters;
   style.arrows = settings_.arrows;
   style.heads = settings_.columnHeads;
   for (std::size_t row = 0; hasSeveralRuns() && row < rows_.size(); ++row) {
     style.rows.push_back({cuts[row].part.size, rows_[row].head, std::nullopt});
     if (settings_.scaleBar && ownScales) {
-      style.rows.back().metresPerPixel = setups_[row]->metresPerPixel();
+      style.rows.back().scale = setups_[row]->scale();
     }
   }
   return style;

@@ -44,7 +44,10 @@ class CaptionWriter {
  public:
   /// Captions with these parts for pictures of this content.
   CaptionWriter(const picture::CaptionParts& parts, const picture::PictureContent& content)
-      : parts_(parts), start_(content.start), hasTarget_(content.target.has_value()) {}
+      : parts_(parts),
+        start_(content.start),
+        hasTarget_(content.target.has_value()),
+        unit_(content.unit) {}
 
   /// One line with the requested parts. Progress has a tenth of a per cent in the grid, whole per
   /// cents in consecutive frames.
@@ -60,6 +63,7 @@ class CaptionWriter {
   picture::CaptionParts parts_;
   Poses start_;
   bool hasTarget_;
+  LengthUnit unit_;
 };
 
 /// The text under the frames of a video.

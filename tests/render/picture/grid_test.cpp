@@ -265,6 +265,9 @@ TEST(CaptionText, SaysTheChosenParts) {
             "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m, gap 4.6e-13 m");
   EXPECT_EQ(picture::captionText({.error = true, .gap = true}, {0, 0, 0, 2, 12}),
             "error 2.0 m, gap 12 m");
+  EXPECT_EQ(picture::captionText({.error = true, .gap = true},
+                                 {0, 0, 0, 0.002, 1.2e-5, *findLengthUnit("mm")}),
+            "error 2.0 mm, gap 0.012 mm");
   EXPECT_EQ(picture::captionText({}, values), "");
   EXPECT_EQ(picture::captionText({.time = true, .error = true}, {}), "t = 0.00 s");
   EXPECT_EQ(picture::captionText({.progress = true}, {.progress = 1}), "100%");
@@ -287,7 +290,7 @@ TEST(Grid, ShrinksCaptionsThatAreTooWide) {
 
 TEST(Grid, DrawsABarOfTheTrueLengthBelowAllPictures) {
   picture::GridStyle style;
-  style.metresPerPixel = 0.013;
+  style.scale = {0.013, {}};
   const picture::GridLayout layout = picture::layOutGrid({300, 200}, {1, 2}, style);
   const picture::Frame sheet = picture::composeGrid(colouredPictures(2, {300, 200}), {1, 2}, style);
   EXPECT_EQ(sheet.size.height,

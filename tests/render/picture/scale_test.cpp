@@ -14,18 +14,23 @@ using test::kBlack;
 using test::kWhite;
 
 TEST(RoundLength, IsTheLongestOneTwoOrFive) {
-  const auto text = [](double longest) { return picture::roundLength(longest).text; };
-  EXPECT_EQ(text(1), "1 m");
-  EXPECT_EQ(text(0.999), "0.5 m");
-  EXPECT_EQ(text(4.99), "2 m");
-  EXPECT_EQ(text(0.06), "50 mm");
-  EXPECT_EQ(text(0.0021), "2 mm");
-  EXPECT_EQ(text(7e-5), "50 um");
-  EXPECT_EQ(text(6000), "5 km");
-  for (double longest = 1e-6; longest < 1e5; longest *= 1.37) {
-    const double metres = picture::roundLength(longest).metres;
-    EXPECT_LE(metres, longest * (1 + 1e-8));
-    EXPECT_GT(metres, 0.39 * longest);
+  const auto text = [](double longest, const char* unit) {
+    return picture::roundLength(longest, *findLengthUnit(unit)).text;
+  };
+  EXPECT_EQ(text(1, "m"), "1 m");
+  EXPECT_EQ(text(0.999, "m"), "0.5 m");
+  EXPECT_EQ(text(4.99, "m"), "2 m");
+  EXPECT_EQ(text(0.06, "m"), "0.05 m");
+  EXPECT_EQ(text(0.06, "mm"), "50 mm");
+  EXPECT_EQ(text(0.06, "in"), "2 in");  // 2.36 in
+  EXPECT_EQ(text(7e-5, "um"), "50 um");
+  EXPECT_EQ(text(6000, "km"), "5 km");
+  for (const LengthUnit& unit : lengthUnits()) {
+    for (double longest = 1e-6; longest < 1e5; longest *= 1.37) {
+      const double metres = picture::roundLength(longest, unit).metres;
+      EXPECT_LE(metres, longest * (1 + 1e-8));
+      EXPECT_GT(metres, 0.39 * longest);
+    }
   }
 }
 

@@ -114,6 +114,18 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
             "choose --projection parallel");
 }
 
+TEST(PictureSetup, HasScalesInTheUnitOfTheModel) {
+  picture::Look look;
+  look.colouring = picture::Colouring::TargetError;
+  picture::PictureContent content = tessellationContent();
+  const picture::ColourScale metres =
+      *picture::PictureSetup(look, content, {300, 300}).colourScale();
+  content.unit = *findLengthUnit("mm");
+  const picture::PictureSetup setup(look, content, {300, 300});
+  EXPECT_EQ(setup.colourScale()->title, "target error, mm");
+  EXPECT_NEAR(setup.colourScale()->most, 1000 * metres.most, 1e-12 * metres.most);
+}
+
 TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
   picture::Look look;
   look.trails = {{2, 1}};

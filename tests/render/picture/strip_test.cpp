@@ -11,10 +11,10 @@ constexpr picture::Colour kSheet = {10, 200, 30};
 /// A frame whose picture is one colour all over, with its strip.
 picture::Frame framed(const picture::StripParts& parts, const picture::StripText& text,
                       const std::optional<picture::ColourScale>& colours = {},
-                      const std::optional<double>& metresPerPixel = {}) {
+                      const std::optional<picture::PictureScale>& scale = {}) {
   const picture::Strip strip(kWhole, parts, {});
   picture::Frame frame = picture::makeFrame(strip.picture(), kSheet);
-  strip.append(frame, text, colours, {}, metresPerPixel);
+  strip.append(frame, text, colours, {}, scale);
   return frame;
 }
 
@@ -33,7 +33,7 @@ TEST(Strip, IsNotThereWithoutParts) {
 TEST(Strip, NeverLiesOverThePicture) {
   const picture::StripParts parts{"100%, t = 12.00 s", true, true, true};
   const picture::Frame frame =
-      framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{}, 0.01);
+      framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{}, picture::PictureScale{0.01, {}});
   EXPECT_EQ(frame.size, kWhole);
   const picture::FrameSize picture = picture::Strip(kWhole, parts, {}).picture();
   EXPECT_EQ(countOf(frame, kSheet), picture.width * picture.height);
