@@ -18,12 +18,7 @@ using test::Moving;
 
 using test::kGravity;
 using test::kStep;
-
-/// A rectangle with a corner at `corner`, sides along the axes.
-model::Tile rectangle(const Vector3& corner, double length, double width) {
-  return {{corner, corner + Vector3(length, 0, 0), corner + Vector3(length, width, 0),
-           corner + Vector3(0, width, 0)}};
-}
+using test::rectangle;
 
 /// Bricks without joints, targets or damping in free flight.
 scene::Scene looseBricks(const std::vector<model::Tile>& tiles, double thickness) {

@@ -7,20 +7,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/sim/run/moving.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using test::Moving;
 
-constexpr double kGravity = 9.81;
-constexpr double kCall = 1.0 / 60;
-
-/// A rectangle with its first corner at a point, sides along the axes.
-model::Tile rectangle(const Vector3& corner, double length, double width) {
-  return {{corner, corner + Vector3(length, 0, 0), corner + Vector3(length, width, 0),
-           corner + Vector3(0, width, 0)}};
-}
+using test::kCall;
+using test::kGravity;
+using test::rectangle;
 
 /// Loose bricks under their weight.
 scene::Scene loose(const std::vector<model::Tile>& tiles, double thickness, double friction) {

@@ -9,13 +9,14 @@
 #include "sim/model/lattice.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/sim/run/moving.h"
+#include "tests/support/physics.h"
 
 namespace kirireel {
 namespace {
 
 using test::Moving;
 
-constexpr double kCall = 1.0 / 60;
+using test::kCall;
 
 /// Uniform in [-1, 1], the same on every machine.
 class Numbers {

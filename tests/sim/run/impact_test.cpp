@@ -14,8 +14,8 @@ namespace {
 
 using test::Moving;
 
+using test::kCall;
 using test::kGravity;
-constexpr double kCall = 1.0 / 60;
 const std::vector<double> kTolerances = {1e-3, 1e-4, 1e-5, 1e-6};
 
 /// A brick of side x depth x height that lies on the ground at z = 0.

@@ -12,6 +12,12 @@
 
 namespace kirireel::test {
 
+/// A rectangle with its first corner at a point, sides along the axes.
+inline model::Tile rectangle(const Vector3& corner, double length, double width) {
+  return {{corner, corner + Vector3(length, 0, 0), corner + Vector3(length, width, 0),
+           corner + Vector3(0, width, 0)}};
+}
+
 /// A scene of loose bricks in motion.
 struct Moving {
   explicit Moving(const scene::Scene& start)
