@@ -117,8 +117,9 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
   if (model::isBrick(contact.brickB)) {
     // A plane of B turns with B, so B's arm too goes to A's point.
     const Pose& poseB = poses[contact.brickB];
-    armB = contact.isEdge ? Vector3(onB - poseB.position)
-                          : Vector3(poseA.position + armA - poseB.position);
+    armB = isCrossing       ? Vector3(onB - poseB.position)
+           : contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
+                            : Vector3(poseA.position + armA - poseB.position);
   }
   row.normalA = Coordinates<D>::pointVelocity(armA, normal);
   row.normalB = -Coordinates<D>::pointVelocity(armB, normal);
