@@ -326,8 +326,8 @@ TEST(FolderErrors, JointsApart) {
             "at the start, at most 0.05 is allowed; correct this joint or the vertices at "
             "vertices.txt:1 and vertices.txt:2");
   EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 1 0\n1.002 0 0 2 0 0 2 1 0 1 1 0\n"),
-            "@/constraints.txt:1: warning: 1 joints are open at the start, this one most, by 0.002 "
-            "m. The run closes them");
+            "@/constraints.txt:1: warning: 1 joints are open at the start, this one most, by 0.002. "
+            "The run closes them");
 }
 
 TEST(FolderErrors, TargetOfOtherTiles) {

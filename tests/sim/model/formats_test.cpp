@@ -563,7 +563,7 @@ TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
                          "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
                          "v 0 0 0\nv 0.0001 0 0\nv 0 0.0001 0\nf 1 2 3\nf 4 5 6\n"}},
                        "a.obj"),
-            "@/a.obj: error: corners at tile 1 are within 0.0014 m, below the precision of their "
+            "@/a.obj: error: corners at tile 1 are within 0.0014, below the precision of their "
             "digits, but are different vertices. Give joined corners the same vertex number");
 }
 
