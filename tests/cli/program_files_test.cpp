@@ -215,7 +215,7 @@ TEST_F(Files, OneDigitApartStaysAJoint) {
   write(model, {.decimals = 3, .scale = 60});
   const ProgramEnd end = simulate("sheet_vertices.txt");
   EXPECT_EQ(end.exitCode, 0) << end.err;
-  EXPECT_THAT(end.err, HasSubstr("by rounding to 0.001 m"));
+  EXPECT_THAT(end.err, HasSubstr("by rounding to 0.001;"));
   EXPECT_THAT(end.err, Not(HasSubstr("a rod")));
   EXPECT_LE(jointGap(), 2.1e-3);
 }
