@@ -359,7 +359,7 @@ void Extrapolation::chooseAgain(const Trial& trial) {
 }
 
 /// Tries steps of falling length until one keeps the tolerance.
-Extrapolation::Outcome Extrapolation::tryLengths(Motion& motion, double seconds,
+Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double seconds,
                                                  const TimedLoads& loads, const StepFilter& mayTake,
                                                  StepReport& report) {
   const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
@@ -398,7 +398,7 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
     energyRounding_ = std::max(energyRounding_, roundingOf(motion, energy));
   }
   while (true) {
-    const Outcome outcome = tryLengths(motion, seconds, loads, mayTake, report);
+    const StepSearch outcome = tryLengths(motion, seconds, loads, mayTake, report);
     if (outcome.taken || outcome.isRefused) {
       if (outcome.isRefused) length_ = kFirst * settings_.longestStep;
       return outcome.taken;

@@ -68,13 +68,13 @@ class Extrapolation {
   struct Trial;
 
   /// Of a search for a step.
-  struct Outcome {
+  struct StepSearch {
     std::optional<double> taken = {};  // seconds
     bool isRefused = false;            // by the filter
   };
 
   double tolerance() const { return slack_ * settings_.tolerance; }
-  Outcome tryLengths(Motion& motion, double seconds, const TimedLoads& loads,
+  StepSearch tryLengths(Motion& motion, double seconds, const TimedLoads& loads,
                      const StepFilter& mayTake, StepReport& report);
   void countRounding(const Trial& trial, StepReport& report) const;
 
