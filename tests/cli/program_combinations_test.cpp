@@ -358,7 +358,6 @@ class Combinations : public testing::Test {
     const Words printed = lines(end.err);
     const auto errors = std::ranges::count_if(printed, isError);
     if (end.exitCode == 2) {
-      ++refused_;
       EXPECT_EQ(errors, 1) << end.err;
     } else {
       EXPECT_LE(errors, 1) << end.err;
@@ -383,16 +382,20 @@ class Combinations : public testing::Test {
     for (std::size_t k = static_cast<std::size_t>(part); k < rows.size();
          k += static_cast<std::size_t>(parts)) {
       if (expectFine(rows[k]) == 2) {
-        ++refused;
+        ++refused_;
         fmt::print("refused: kirireel {}\n", fmt::join(wordsOf(rows[k]), " "));
       }
     }
-    fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused, faults_);
+    // A refused row hides what its other choices do. Five of 45 rows of pairs are refused, for
+    // reasons that need three choices.
+    EXPECT_LE(8 * static_cast<std::size_t>(refused_) * static_cast<std::size_t>(parts),
+              rows.size());
+    fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused_, faults_);
   }
 
   TemporaryFolder scratch_;
   int runs_ = 0;
-  int refused_ = 0;
+  int refused_ = 0;  // rows
   int faults_ = 0;
 };
 
