@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +33,15 @@ inline constexpr double kDegree = std::numbers::pi / 180;
 
 /// Tolerance of the length of unit directions and quaternions in files.
 inline constexpr double kUnitTolerance = 1e-6;
+
+/// Where two lines that are not parallel are nearest to each other, as multiples of their
+/// directions `a` and `b` from their points.
+inline std::pair<double, double> nearestOnLines(const Vector3& pointA, const Vector3& a,
+                                                const Vector3& pointB, const Vector3& b) {
+  const Vector3 across = a.cross(b);
+  const Vector3 between = (pointB - pointA) / across.squaredNorm();
+  return {between.cross(b).dot(across), between.cross(a).dot(across)};
+}
 
 /// The mean of one or more points.
 Vector3 meanPoint(const std::vector<Vector3>& points);

@@ -984,7 +984,7 @@ void BrickPair::appendRegion(const model::Contact& contact, const Pose& startOfB
   appendRegionContacts(normalOf(contact, placedB), nullptr, a_.brick, b_.brick, placedA(), placedB,
                        found);
   finishContacts(found);
-  // Where edges cross alone, they are the region as long as they do.
+  // Where only edges cross, the crossing is the region as long as there is one.
   if (found.empty() && contact.isEdge && insideBorders(contact, startOfB) >= 0)
     found.push_back(contact);
   contacts.insert(contacts.end(), found.begin(), found.end());
@@ -1323,9 +1323,7 @@ class RegionMaker {
   void addCrossing(const PlacedEdge& a, const PlacedEdge& b) {
     const Vector3 across = a.edge.cross(b.edge);
     if (across.norm() <= kNoCrossing * a.edge.norm() * b.edge.norm()) return;
-    const Vector3 between = (b.from - a.from) / across.squaredNorm();
-    const double onA = between.cross(b.edge).dot(across);
-    const double onB = between.cross(a.edge).dot(across);
+    const auto [onA, onB] = nearestOnLines(a.from, a.edge, b.from, b.edge);
     if (onA < 0 || onA > 1 || onB < 0 || onB > 1) return;
     model::Contact contact{brickA_, brickB_, a.ownFrom, b.ownFrom, b.ownEdge.normalized()};
     contact.isEdge = true;

@@ -134,9 +134,8 @@ inline ContactPoints contactPoints(const Contact& contact, const Poses& poses) {
   if (!contact.isRegion) return {pointA, pointB};
   const Vector3 a = poseA.rotation * contact.edgeA;
   const Vector3 b = poseB.rotation * contact.normal;
-  const Vector3 across = a.cross(b);
-  const Vector3 between = (pointB - pointA) / across.squaredNorm();
-  return {pointA + between.cross(b).dot(across) * a, pointB + between.cross(a).dot(across) * b};
+  const auto [onA, onB] = nearestOnLines(pointA, a, pointB, b);
+  return {pointA + onA * a, pointB + onB * b};
 }
 
 /// Tells a solver what its bricks run into.
