@@ -315,8 +315,8 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
 /// Adds what the step was allowed beyond the tolerance.
 void Extrapolation::countRounding(const Trial& trial, StepReport& report) const {
   report.rounding += (slack_ - 1) * settings_.tolerance * settings_.lengthScale;
-  const double asked = allowedEnergy(trial, mostEnergy_) / slack_;
-  report.energyRounding += std::max(slack_ * asked, energyRounding_) - asked;
+  const double allowed = allowedEnergy(trial, mostEnergy_);
+  report.energyRounding += std::max(allowed, energyRounding_) - allowed / slack_;
 }
 
 /// Unknown distance to rest of points that slide at the step's start and stick at its end, in
@@ -358,11 +358,11 @@ void Extrapolation::chooseAgain(const Trial& trial) {
   order_ = std::max(best, kFewestRows);
 }
 
-/// Tries steps of falling length until one keeps the tolerance.
-Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double seconds,
-                                                 const TimedLoads& loads, const StepFilter& mayTake,
-                                                 StepReport& report) {
-  const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
+/// Tries steps of falling length until one keeps the tolerance. `energy`: of the motion.
+Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energy, double seconds,
+                                                    const TimedLoads& loads,
+                                                    const StepFilter& mayTake, StepReport& report) {
+  bool isRefused = false;
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts =
         std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameStepTime);
@@ -370,7 +370,8 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double secon
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;
     if (isSmooth && caught <= 1) {
-      if (!finish(trial, mayTake)) return {.isRefused = true};
+      isRefused = !finish(trial, mayTake);
+      if (isRefused) break;
       chooseNext(trial, tries > 0);
       countLosses(trial, report);
       countRounding(trial, report);
@@ -387,22 +388,19 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double secon
     if (length_ < kShortest * settings_.longestStep) break;
   }
   length_ = kFirst * settings_.longestStep;
-  return {};
+  return {.isRefused = isRefused};
 }
 
 std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
                                           const StepFilter& mayTake, StepReport& report) {
+  const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
   if (settings_.keepsEnergy) {
-    const double energy = solver_.energy(motion);
     mostEnergy_ = std::max(mostEnergy_, energy);
     energyRounding_ = std::max(energyRounding_, roundingOf(motion, energy));
   }
   while (true) {
-    const StepSearch outcome = tryLengths(motion, seconds, loads, mayTake, report);
-    if (outcome.taken || outcome.isRefused) {
-      if (outcome.isRefused) length_ = kFirst * settings_.longestStep;
-      return outcome.taken;
-    }
+    const StepSearch search = tryLengths(motion, energy, seconds, loads, mayTake, report);
+    if (search.taken || search.isRefused) return search.taken;
     const double most = kRounding / settings_.tolerance;
     if (slack_ >= most) return std::nullopt;
     slack_ = std::min(kSlackStep * slack_, most);

@@ -74,8 +74,8 @@ class Extrapolation {
   };
 
   double tolerance() const { return slack_ * settings_.tolerance; }
-  StepSearch tryLengths(Motion& motion, double seconds, const TimedLoads& loads,
-                     const StepFilter& mayTake, StepReport& report);
+  StepSearch tryLengths(Motion& motion, double energy, double seconds, const TimedLoads& loads,
+                        const StepFilter& mayTake, StepReport& report);
   void countRounding(const Trial& trial, StepReport& report) const;
 
   bool addRow(Trial& trial, const TimedLoads& loads, StepReport& report);
@@ -97,10 +97,10 @@ class Extrapolation {
   JointSolver& solver_;
   ExtrapolationSettings settings_;
   bool isSupported_ = false;
-  double length_;          // of the next step, seconds
-  int order_;              // of the next step: expected number of rows
-  double mostEnergy_ = 0;  // maximum so far, joules
-  double slack_ = 1;       // of the tolerance where rounding errors are larger
+  double length_;              // of the next step, seconds
+  int order_;                  // of the next step: expected number of rows
+  double mostEnergy_ = 0;      // maximum so far, joules
+  double slack_ = 1;           // of the tolerance where rounding errors are larger
   double energyRounding_ = 0;  // of an energy, maximum so far, joules
 };
 
