@@ -18,6 +18,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "sim/model/convex_parts.h"
+#include "sim/model/model.h"
 
 namespace kirireel::mechanics {
 namespace {
@@ -34,15 +38,6 @@ constexpr double kNarrow = 1e-9;
 constexpr double kPoint = 1e-6;
 
 using Polygon = std::vector<Vector3>;
-
-/// Twice the vector area, by Newell's formula about a point.
-Vector3 doubleArea(const Polygon& polygon, const Vector3& about) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    sum += (polygon[k] - about).cross(polygon[(k + 1) % polygon.size()] - about);
-  }
-  return sum;
-}
 
 /// The integral of the distance from a point in the plane over a polygon.
 double distanceIntegral(const Polygon& polygon, const Vector3& normal, const Vector3& from) {
@@ -79,62 +74,27 @@ void appendFan(const Polygon& polygon, const Vector3& normal, const Vector3& cen
   }
 }
 
-/// The centroid of a convex polygon.
-Vector3 centroidOf(const Polygon& polygon, const Vector3& normal) {
-  Vector3 sum = Vector3::Zero();
-  double whole = 0;
-  for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-    const double area = normal.dot((polygon[k] - polygon[0]).cross(polygon[k + 1] - polygon[0]));
-    sum += area / 3 * (polygon[0] + polygon[k] + polygon[k + 1]);
-    whole += area;
-  }
-  return sum / whole;
-}
-
-/// The corners of the convex hull, anticlockwise about the normal (A. M. Andrew, 1979).
-Polygon hullOf(const std::vector<Vector3>& all, const Vector3& normal, double tolerance) {
+/// The corners of the convex hull of points in a plane, anticlockwise about the normal.
+Polygon hullOf(const std::vector<Vector3>& points, const Vector3& normal, double flatness) {
+  const Vector3& origin = points.front();
   const Vector3 x = normal.unitOrthogonal(), y = normal.cross(x);
-  Polygon sorted = all;
-  std::ranges::sort(sorted, [&](const Vector3& a, const Vector3& b) {
-    const double dx = x.dot(a - b);
-    return dx != 0 ? dx < 0 : y.dot(a - b) < 0;
-  });
-  Polygon hull;
-  const auto addChain = [&](const auto& points) {
-    const std::size_t first = hull.size();
-    for (const Vector3& point : points) {
-      const auto turnsRight = [&] {
-        const Vector3& last = hull.back();
-        const Vector3 side = last - hull[hull.size() - 2];
-        return normal.dot(side.cross(point - last)) <= tolerance * side.norm();
-      };
-      while (hull.size() >= first + 2 && turnsRight()) hull.pop_back();
-      hull.push_back(point);
-    }
-    hull.pop_back();
-  };
-  addChain(sorted);
-  std::ranges::reverse(sorted);
-  addChain(sorted);
-  return hull;
-}
-
-/// Moves the points so that they have their centroid elsewhere, and shrinks their pattern.
-std::vector<RubbingPoint> movedTo(const Vector3& centre, double scale, const Vector3& centroid,
-                                  std::vector<RubbingPoint> points) {
-  if (!(scale > kPoint)) return {{centre, 1}};
-  for (RubbingPoint& rubbing : points) {
-    rubbing.point = centre + std::min(1.0, scale) * (rubbing.point - centroid);
+  std::vector<Eigen::Vector2d> flat;
+  for (const Vector3& point : points) {
+    flat.emplace_back(x.dot(point - origin), y.dot(point - origin));
   }
-  return points;
+  Polygon hull;
+  for (const Eigen::Vector2d& corner : model::convexOutline(std::move(flat), flatness)) {
+    hull.push_back(origin + corner.x() * x + corner.y() * y);
+  }
+  return hull;
 }
 
 }  // namespace
 
 std::vector<RubbingPoint> evenPressure(const std::vector<Polygon>& parts) {
-  const Vector3 normal = doubleArea(parts.front(), parts.front().front()).normalized();
+  const Vector3 normal = model::tileNormal({parts.front()});
   std::vector<RubbingPoint> points;
-  for (const Polygon& part : parts) appendFan(part, normal, centroidOf(part, normal), points);
+  for (const Polygon& part : parts) appendFan(part, normal, model::tileCentroid({part}), points);
   double area = 0, distance = 0;
   Vector3 centroid = Vector3::Zero();
   for (const RubbingPoint& rubbing : points) {
@@ -154,26 +114,44 @@ std::vector<RubbingPoint> evenPressure(const std::vector<Polygon>& parts) {
   return points;
 }
 
-std::vector<RubbingPoint> rubbingPoints(const std::vector<Vector3>& touching, const Vector3& normal,
-                                        const Vector3& centre) {
+RubbingRegion::RubbingRegion(const std::vector<Vector3>& touching, const Vector3& normal)
+    : normal_(normal) {
   double size = 0;
   for (const Vector3& point : touching) size = std::max(size, (point - touching.front()).norm());
-  if (size == 0) return {{centre, 1}};
-  const Polygon hull = hullOf(touching, normal, kNarrow * size);
-  if (hull.size() < 2) return {{centre, 1}};
-  if (hull.size() == 2) {
-    const Vector3 middle = 0.5 * (hull[0] + hull[1]), quarter = 0.25 * (hull[1] - hull[0]);
-    const double off = (centre - middle).dot(quarter) / (2 * quarter.squaredNorm());
-    return movedTo(centre, 1 - std::abs(off), middle,
-                   {{middle - quarter, 0.5}, {middle + quarter, 0.5}});
+  if (size == 0) return;
+  hull_ = hullOf(touching, normal, kNarrow * size);
+  if (hull_.size() == 2) {
+    centroid_ = 0.5 * (hull_[0] + hull_[1]);
+    const Vector3 quarter = 0.25 * (hull_[1] - hull_[0]);
+    even_ = {{centroid_ - quarter, 0.5}, {centroid_ + quarter, 0.5}};
+  } else if (hull_.size() > 2) {
+    centroid_ = model::tileCentroid({hull_});
+    even_ = evenPressure({hull_});
   }
-  const Vector3 centroid = centroidOf(hull, normal);
+}
+
+/// The largest scale up to 1 that keeps the hull within itself when its centroid is moved.
+double RubbingRegion::scaleFor(const Vector3& centre) const {
+  if (hull_.size() == 2) {
+    const Vector3 half = hull_[1] - centroid_;
+    return 1 - std::abs((centre - centroid_).dot(half)) / half.squaredNorm();
+  }
   double scale = 1;
-  for (std::size_t k = 0; k < hull.size(); ++k) {
-    const Vector3 inwards = normal.cross(hull[(k + 1) % hull.size()] - hull[k]);
-    scale = std::min(scale, inwards.dot(centre - hull[k]) / inwards.dot(centroid - hull[k]));
+  for (std::size_t k = 0; k < hull_.size(); ++k) {
+    const Vector3 inwards = normal_.cross(hull_[(k + 1) % hull_.size()] - hull_[k]);
+    scale = std::min(scale, inwards.dot(centre - hull_[k]) / inwards.dot(centroid_ - hull_[k]));
   }
-  return movedTo(centre, scale, centroid, evenPressure({hull}));
+  return scale;
+}
+
+std::vector<RubbingPoint> RubbingRegion::points(const Vector3& centre) const {
+  const double scale = scaleFor(centre);
+  if (even_.empty() || !(scale > kPoint)) return {{centre, 1}};
+  std::vector<RubbingPoint> moved = even_;
+  for (RubbingPoint& rubbing : moved) {
+    rubbing.point = centre + scale * (rubbing.point - centroid_);
+  }
+  return moved;
 }
 
 }  // namespace kirireel::mechanics

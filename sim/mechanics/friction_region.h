@@ -1,4 +1,4 @@
-/// Where a face that touches rubs: points that stand for an even pressure.
+/// Where a face that touches rubs: points that represent an even pressure.
 #pragma once
 
 #include <vector>
@@ -18,11 +18,28 @@ struct RubbingPoint {
 /// O(corners): 3 points for each side of a polygon, 6 for each of a triangle.
 std::vector<RubbingPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
 
-/// Points for a push at `centre` through the convex hull of points that touch, in a plane across
-/// `normal`. The pressure is even on the hull if `centre` is its centroid. Else it is even on the
-/// hull shrunk about some point, as little as it takes to have its centroid there. Hulls can be
-/// points and lines.
-std::vector<RubbingPoint> rubbingPoints(const std::vector<Vector3>& touching, const Vector3& normal,
-                                        const Vector3& centre);
+/// Where a face rubs, whatever the place of its push.
+class RubbingRegion {
+ public:
+  /// Every push acts at a single point.
+  RubbingRegion() = default;
+
+  /// The convex hull of points that touch, in a plane across `normal`. Hulls can be points and
+  /// lines.
+  RubbingRegion(const std::vector<Vector3>& touching, const Vector3& normal);
+
+  /// Points for a push at `centre`. The pressure is even on the hull if `centre` is its centroid.
+  /// Else it is even on the hull shrunk about some point, as little as it takes to have its
+  /// centroid there.
+  std::vector<RubbingPoint> points(const Vector3& centre) const;
+
+ private:
+  double scaleFor(const Vector3& centre) const;
+
+  std::vector<Vector3> hull_;  // no corners: a point, two: a line
+  Vector3 normal_ = Vector3::Zero();
+  Vector3 centroid_ = Vector3::Zero();
+  std::vector<RubbingPoint> even_;  // under a push at the centroid
+};
 
 }  // namespace kirireel::mechanics

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,14 @@ struct StepEnd {
   Poses poses;              ///< empty until the velocities are found
   Eigen::VectorXd closing;  ///< what closing the joints added to the move
   bool jumped = false;      ///< that was more than it should be
+};
+
+/// A plane of contacts with friction.
+struct RubbedPlane {
+  std::size_t first = 0;        ///< of its contacts among all
+  Vector3 normal;               ///< world axes
+  std::vector<Vector3> points;  ///< of its contacts, world axes
+  RubbingRegion region;         ///< where it rubs
 };
 
 /// The rows of a step's contacts, for the next step to begin with.
@@ -85,7 +94,7 @@ class Stepper : public JointSolver {
   void placeHeldRows(const Poses& poses, double step);
   void keepHeldRows(double step);
   bool solveWithFriction(const Poses& start);
-  bool boundFriction(const Poses& poses);
+  bool boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses);
   bool projectVelocities(Motion& motion, bool withFriction);
   bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
@@ -96,8 +105,8 @@ class Stepper : public JointSolver {
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<model::Contact>& found, const Poses& start, double step);
   bool boundNewFriction(const Poses& start);
-  std::vector<Row> rubbingRows(std::size_t first, std::size_t last, const Poses& poses,
-                               bool isHeld) const;
+  std::vector<RubbedPlane> planesThatRub(const Poses& poses, bool isHeld) const;
+  void appendRubbing(const RubbedPlane& plane, const Poses& poses, std::vector<Row>& rows) const;
   void startRows(const Poses& start, double step, bool warm);
   void carryOver(const Row& old, const Poses& start, double step);
   void carryRegionOver(const Row* first, const Row* last, const Poses& start, double step);
@@ -298,65 +307,77 @@ bool Stepper<D>::appendRows(const std::vector<model::Contact>& found, const Pose
   return program_.contacts.size() > before;
 }
 
-/// Rows that rub for contacts of one plane, by their places among the contacts. They stand for an
-/// even pressure on the region of points that touch, or push; all do of contacts that are held.
+/// The planes with friction of all contacts that are held, or else those that push without rows
+/// that rub. They rub where points touch, or push; all do of contacts that are held.
 template <int D>
-std::vector<ContactRow<D>> Stepper<D>::rubbingRows(std::size_t first, std::size_t last,
-                                                   const Poses& poses, bool isHeld) const {
-  const model::Contact& plane = program_.contacts[first].contact;
-  const Vector3 normal = model::contactNormal(plane, poses);
-  std::vector<Vector3> touching;
+std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHeld) const {
+  std::vector<RubbedPlane> planes;
+  const std::vector<Row>& rows = program_.contacts;
+  for (auto first = rows.begin(), last = first; first != rows.end(); first = last) {
+    last = endOfPlane<D>(first, rows.end());
+    if (!first->hasNormal || first->contact.friction == 0) continue;
+    const auto pushes = [](const Row& row) { return row.multiplier > 0; };
+    if (!isHeld && (first->isRubbed || std::none_of(first, last, pushes))) continue;
+    RubbedPlane plane;
+    plane.first = static_cast<std::size_t>(first - rows.begin());
+    plane.normal = model::contactNormal(first->contact, poses);
+    std::vector<Vector3> touching;
+    for (auto row = first; row != last; ++row) {
+      plane.points.push_back(model::contactPoints(row->contact, poses).onA);
+      const bool touches =
+          isHeld || pushes(*row) ||
+          model::contactGap(row->contact, poses) <= kTouching * settings_.lengthScale;
+      if (touches) touching.push_back(plane.points.back());
+    }
+    // In the plane friction acts along one line wherever the points are.
+    if (D == 6 && !touching.empty()) plane.region = RubbingRegion(touching, plane.normal);
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
+/// Appends the rows that rub for the contacts of a plane. They represent an even pressure. None if
+/// nothing pushes.
+template <int D>
+void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
+                               std::vector<Row>& rows) const {
   Vector3 centre = Vector3::Zero();
   double push = 0;
-  for (std::size_t c = first; c < last; ++c) {
-    const Row& row = program_.contacts[c];
-    const Vector3 point = model::contactPoints(row.contact, poses).onA;
-    push += row.multiplier;
-    centre += row.multiplier * point;
-    const bool isNear = model::contactGap(row.contact, poses) <= kTouching * settings_.lengthScale;
-    if (isHeld || isNear || row.multiplier > 0) touching.push_back(point);
+  for (std::size_t k = 0; k < plane.points.size(); ++k) {
+    const double multiplier = program_.contacts[plane.first + k].multiplier;
+    push += multiplier;
+    centre += multiplier * plane.points[k];
   }
-  if (!(push > 0)) return {};
+  if (!(push > 0)) return;
   centre /= push;
-  // In the plane friction acts along one line wherever the points are.
-  const std::vector<RubbingPoint> points =
-      D == 3 ? std::vector<RubbingPoint>{{centre, 1}} : rubbingPoints(touching, normal, centre);
-  const Pose& poseA = model::poseOf(plane.brickA, poses);
-  const Pose& poseB = model::poseOf(plane.brickB, poses);
   Row row;
-  row.contact = plane;
+  row.contact = program_.contacts[plane.first].contact;
+  const Pose& poseA = model::poseOf(row.contact.brickA, poses);
+  const Pose& poseB = model::poseOf(row.contact.brickB, poses);
   row.hasNormal = false;
-  if (plane.isRegion && plane.isEdge) {
+  if (row.contact.isRegion && row.contact.isEdge) {
     row.contact.isEdge = false;
-    row.contact.normal = poseB.rotation.conjugate() * normal;
+    row.contact.normal = poseB.rotation.conjugate() * plane.normal;
   }
-  std::vector<Row> rows;
-  for (const RubbingPoint& rubbing : points) {
+  for (const RubbingPoint& rubbing : plane.region.points(centre)) {
     row.contact.pointA = poseA.rotation.conjugate() * (rubbing.point - poseA.position);
     row.contact.pointB = poseB.rotation.conjugate() * (rubbing.point - poseB.position);
     row.slipShare = rubbing.share;
-    row.slipBound = plane.friction * rubbing.share * push;
+    row.slipBound = row.contact.friction * rubbing.share * push;
     placeRow(row, poses);
     holdPinned(row);
     rows.push_back(row);
   }
-  return rows;
 }
 
 /// Contacts that were just found to push begin to rub. Returns whether there were any.
 template <int D>
 bool Stepper<D>::boundNewFriction(const Poses& start) {
   std::vector<Row> found;
-  for (std::size_t first = 0; first < program_.contacts.size();) {
-    const auto begin = program_.contacts.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = endOfPlane<D>(begin, program_.contacts.end());
-    const auto last = static_cast<std::size_t>(end - program_.contacts.begin());
-    if (begin->hasNormal && begin->contact.friction > 0 && !begin->isRubbed) {
-      const std::vector<Row> rows = rubbingRows(first, last, start, false);
-      found.insert(found.end(), rows.begin(), rows.end());
-      begin->isRubbed = !rows.empty();
-    }
-    first = last;
+  for (const RubbedPlane& plane : planesThatRub(start, false)) {
+    const std::size_t before = found.size();
+    appendRubbing(plane, start, found);
+    program_.contacts[plane.first].isRubbed = found.size() > before;
   }
   program_.contacts.insert(program_.contacts.end(), found.begin(), found.end());
   return !found.empty();
@@ -757,11 +778,12 @@ double Stepper<D>::stickSlipSpeed(const Motion& start) const {
 /// a step before. One more round of multipliers than speeds need makes impulses as exact as those.
 template <int D>
 bool Stepper<D>::solveWithFriction(const Poses& start) {
+  const std::vector<RubbedPlane> planes = planesThatRub(start, true);
   for (int round = 0; round < kFrictionRounds; ++round) {
     if (!solveVelocities(start)) return false;
     if (program_.contacts.empty()) return true;
     if (!solveRound(system_, program_, kSlow * settings_.lengthScale).found) return false;
-    if (!boundFriction(start)) return true;
+    if (!boundFriction(planes, start)) return true;
   }
   return true;
 }
@@ -769,22 +791,15 @@ bool Stepper<D>::solveWithFriction(const Poses& start) {
 /// Sets where contacts rub, and the bounds of their friction, by what they carry. Returns whether
 /// any changed.
 template <int D>
-bool Stepper<D>::boundFriction(const Poses& poses) {
-  std::vector<Row> before, now;
-  for (const Row& row : program_.contacts) {
-    if (row.slipShare > 0) before.push_back(row);
-  }
-  std::erase_if(program_.contacts, [](const Row& row) { return row.slipShare > 0; });
-  for (std::size_t first = 0; first < program_.contacts.size();) {
-    const auto begin = program_.contacts.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto last = static_cast<std::size_t>(endOfPlane<D>(begin, program_.contacts.end()) -
-                                               program_.contacts.begin());
-    if (begin->hasNormal && begin->contact.friction > 0) {
-      const std::vector<Row> rows = rubbingRows(first, last, poses, true);
-      now.insert(now.end(), rows.begin(), rows.end());
-    }
-    first = last;
-  }
+bool Stepper<D>::boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses) {
+  std::vector<Row>& rows = program_.contacts;
+  const auto pushesOnly = [](const Row& row) { return row.slipShare == 0; };
+  if (!std::ranges::is_partitioned(rows, pushesOnly))
+    std::ranges::stable_partition(rows, pushesOnly);
+  const std::span<Row> before(std::ranges::find_if_not(rows, pushesOnly), rows.end());
+  std::vector<Row> now;
+  now.reserve(before.size());
+  for (const RubbedPlane& plane : planes) appendRubbing(plane, poses, now);
   bool changed = before.size() != now.size();
   for (std::size_t r = 0; r < now.size() && r < before.size(); ++r) {
     const Row& old = before[r];
@@ -796,7 +811,8 @@ bool Stepper<D>::boundFriction(const Poses& poses) {
     row.slipMultiplier = old.slipMultiplier;
     row.slipStiffness = old.slipStiffness;
   }
-  program_.contacts.insert(program_.contacts.end(), now.begin(), now.end());
+  rows.resize(rows.size() - before.size());
+  rows.insert(rows.end(), now.begin(), now.end());
   return changed;
 }
 

@@ -533,15 +533,16 @@ void StepSystem<D>::keepLengthwiseRow(const model::Pivot& pivot, const Poses& po
   rows.b.row(0) = alongB;
 }
 
-/// Adds weight * [a b]^T [a b] for rows of a pair of bricks; those of what does not move are left
-/// out.
+/// Adds [a b]^T weight [a b] for rows of a pair of bricks; those of what does not move are left
+/// out. The weight is a number or a symmetric matrix.
 template <int D>
-template <int kRows>
+template <int kRows, typename Weight>
 void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
                                     const Eigen::Matrix<double, kRows, D>& a,
-                                    const Eigen::Matrix<double, kRows, D>& b, double weight) {
-  const Eigen::Matrix<double, D, kRows> weightedA = weight * a.transpose();
-  const Eigen::Matrix<double, D, kRows> weightedB = weight * b.transpose();
+                                    const Eigen::Matrix<double, kRows, D>& b,
+                                    const Weight& weight) {
+  const Eigen::Matrix<double, D, kRows> weightedA = a.transpose() * weight;
+  const Eigen::Matrix<double, D, kRows> weightedB = b.transpose() * weight;
   if (model::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
   if (model::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
   if (!pair.hasEdge()) return;
@@ -588,14 +589,8 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   if (pair.hasEdge()) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
   if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
   if (!row.hasFriction()) return;
-  // The tangents along the slip stiffness' own directions.
-  Eigen::SelfAdjointEigenSolver<typename ContactRow<D>::TangentMatrix> own;
-  own.computeDirect(row.slipStiffness);
-  const typename ContactRow<D>::TangentRows a = own.eigenvectors().transpose() * row.tangentA;
-  const typename ContactRow<D>::TangentRows b = own.eigenvectors().transpose() * row.tangentB;
-  for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
-    addRowsToMatrix<1>(pair, a.row(k), b.row(k), rho_ * own.eigenvalues()[k]);
-  }
+  const typename ContactRow<D>::TangentMatrix weight = rho_ * row.slipStiffness;
+  addRowsToMatrix<ContactRow<D>::kTangents>(pair, row.tangentA, row.tangentB, weight);
 }
 
 template <int D>

@@ -504,9 +504,9 @@ class StepSystem {
  private:
   void keepLengthwiseRow(const model::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
-  template <int kRows>
+  template <int kRows, typename Weight>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
-                       const Eigen::Matrix<double, kRows, D>& b, double weight);
+                       const Eigen::Matrix<double, kRows, D>& b, const Weight& weight);
   void addJointsToMatrix();
   void addSpringsToMatrix();
   void addPairBlocksToMatrix();

@@ -288,12 +288,12 @@ namespace {
 /// Appends one half of the hull of points sorted by x. Omits the last point, which begins the other
 /// half.
 template <typename Iterator>
-void appendHalf(Iterator begin, Iterator end, std::vector<Vector2>& outline) {
+void appendHalf(Iterator begin, Iterator end, double flatness, std::vector<Vector2>& outline) {
   const std::size_t first = outline.size();
   for (Iterator point = begin; point != end; ++point) {
     while (outline.size() > first + 1) {
       const Vector2 along = outline.back() - outline[outline.size() - 2];
-      if (cross(along, *point - outline.back()) > 0) break;
+      if (cross(along, *point - outline.back()) > flatness * along.norm()) break;
       outline.pop_back();
     }
     outline.push_back(*point);
@@ -303,12 +303,12 @@ void appendHalf(Iterator begin, Iterator end, std::vector<Vector2>& outline) {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points) {
+std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points, double flatness) {
   std::ranges::sort(points, {}, [](const Vector2& p) { return std::tuple(p.x(), p.y()); });
   std::vector<Vector2> outline;
   if (points.empty()) return outline;
-  appendHalf(points.begin(), points.end(), outline);
-  appendHalf(points.rbegin(), points.rend(), outline);
+  appendHalf(points.begin(), points.end(), flatness, outline);
+  appendHalf(points.rbegin(), points.rend(), flatness, outline);
   return outline;
 }
 

@@ -48,10 +48,11 @@ std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
 /// Each remaining diagonal is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
-/// The corners of the convex hull of points in the plane, anticlockwise, without corners within a
-/// side. Empty for no points. Andrew's monotone chain (Information Processing Letters 9, 1979), O(n
-/// log n).
-std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points);
+/// The corners of the convex hull of points in the plane, anticlockwise, without corners that are
+/// `flatness` or less beyond the line between their neighbours. Empty for one point or none.
+/// Andrew's monotone chain (Information Processing Letters 9, 1979), O(n log n).
+std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points,
+                                           double flatness = 0);
 
 // ------------------------------------------------------------------------------------------------
 // Tiles that bend: rigid parts with hinges along their common edges.
