@@ -386,10 +386,9 @@ class Combinations : public testing::Test {
         fmt::print("refused: kirireel {}\n", fmt::join(wordsOf(rows[k]), " "));
       }
     }
-    // A refused row hides what its other choices do. Five of 45 rows of pairs are refused, for
-    // reasons that need three choices.
-    EXPECT_LE(8 * static_cast<std::size_t>(refused_) * static_cast<std::size_t>(parts),
-              rows.size());
+    // A refused row hides what its other choices do. Reasons for it need three choices. Measured:
+    // 0.11 of the rows of pairs, 0.05 to 0.10 of each part of fours.
+    EXPECT_LE(refused_ * parts, 0.12 * static_cast<double>(rows.size()));
     fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused_, faults_);
   }
 

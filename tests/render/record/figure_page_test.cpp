@@ -1,4 +1,5 @@
-// Pages of panels. Oracles: lengths in print from the settings; the same panel alone on a page.
+// Pages of panels. Oracles: lengths in print from the settings; the same panel as the only one on a
+// page.
 #include "render/record/figure_page.h"
 
 #include <regex>
@@ -139,9 +140,9 @@ TEST_F(FigurePageTest, SharesAndHeightsAreThoseOfThePanels) {
 
 /// A plot without a height fills the row, so it does not change the height of the page.
 TEST_F(FigurePageTest, PlotsFillTheHeightOfPictures) {
-  const std::string alone = svgOf(page({{pictures("small", 1), pictures("small", 1)}}));
+  const std::string single = svgOf(page({{pictures("small", 1), pictures("small", 1)}}));
   const std::string both = svgOf(page({{pictures("small", 1), plot("radius")}}));
-  EXPECT_EQ(heightOf(alone), heightOf(both));
+  EXPECT_EQ(heightOf(single), heightOf(both));
 }
 
 TEST_F(FigurePageTest, EqualPagesHaveEqualBytes) {

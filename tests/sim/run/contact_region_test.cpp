@@ -1,5 +1,6 @@
 // Bricks that touch in a part of a face, against motions that are known otherwise: a brick that
-// tips over the edge of another, stacks that just stand or just fall, plates that spin to rest.
+// tips over the edge of another, stacks that are just at rest or just fall, plates that spin to
+// rest.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -137,8 +138,8 @@ TEST(BrickOnBrick, TipsTheSameInFixedStepsInAnyDirectionOrderAndUnit) {
   }
 }
 
-// Bricks with the overhangs of a harmonic stack stand at 1/2, 1/4, 1/6 of their length; the
-// topmost pushed out a little more, it falls alone.
+// Bricks with the overhangs of a harmonic stack, 1/2, 1/4, 1/6 of their length, stay at rest. If
+// the topmost is a little farther out, only this one falls.
 TEST(Stack, StandsUpToItsHarmonicOverhangs) {
   for (const double more : {-0.01, 0.01}) {
     const double t = 0.2;
