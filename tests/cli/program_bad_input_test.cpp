@@ -237,7 +237,7 @@ TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
   for (const std::string& name : filesIn(whole.path())) {
     needed += std::filesystem::file_size(whole / name);
   }
-  constexpr int kPoints = 20;
+  constexpr int kPoints = 8;
   for (int point = 1; point <= kPoints; ++point) {
     const std::uintmax_t size = needed * point / (kPoints + 1);
     const SmallDisk disk(size);

@@ -75,7 +75,7 @@ class ResumeOnTheWay : public testing::Test {
   std::vector<std::string> recordLongInto(const fs::path& out,
                                           const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {"record",   model_,       "--planar", "off",        "--path",
-                                      "straight", "--timestep", "1e-4",     "--duration", "1",
+                                      "straight", "--timestep", "1e-4",     "--duration", "0.5",
                                       "--size",   "160x120",    "--length", "2",          "--svg",
                                       "--out",    out.string()};
     words.insert(words.end(), more.begin(), more.end());
@@ -99,7 +99,7 @@ class ResumeOnTheWay : public testing::Test {
 };
 
 TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
-  ASSERT_EQ(runKirireel(recordLongInto(scratch_ / "whole")).exitCode, 0);
+  ASSERT_EQ(runKirireel(recordLongInto(scratch_ / "whole")).exitCode, kEndedShort);
   EXPECT_FALSE(fs::exists(scratch_ / "whole/.unfinished"));
   EXPECT_EQ(endBy(SIGTERM, recordLongInto(out_)), "");
   EXPECT_TRUE(fs::exists(out_ / ".unfinished/checkpoint/state.h5"));
@@ -108,7 +108,7 @@ TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
       testing::MatchesRegex("kirireel: continues at .* s from the checkpoint in .*\n");
   endBy(SIGKILL, recordLongInto(out_, {"--resume"}));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--resume"}));
-  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_THAT(end.err, goesOn);
   expectSameRun(out_, scratch_ / "whole");
 }
@@ -119,7 +119,7 @@ TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
   EXPECT_EQ(end.err,
             "kirireel: the checkpoint in " + (out_ / ".unfinished/checkpoint").string() +
                 " is from another order or program version. The run starts from the beginning\n");
-  EXPECT_EQ(end.exitCode, 0);
+  EXPECT_EQ(end.exitCode, kEndedShort);
   EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }
 

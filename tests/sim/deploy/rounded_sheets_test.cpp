@@ -172,17 +172,24 @@ TEST(RoundedSheets, EndBeforeJointsOpenByMoreThanRoundingExplains) {
   EXPECT_GT((first.poses.front().position - last.poses.front().position).norm(), 1) << "it moves";
 }
 
-// Exact joints leave the start hardly or not at all. Measured: 1.2 and 6.0 digits from the target.
+/// Exact joints leave the start hardly or not at all, springs do.
+void expectToArriveByDynamics(const model::Model& model) {
+  scene::Scene scene = sceneOf(rounded(model, 3));
+  scene.path.kind = scene::PathKind::Dynamic;
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 10e-3) << run.pathReason << "; " << run.reason;
+  EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
+}
+
+// Measured: 1.2 digits from the target.
 TEST(RoundedSheets, DeployByDynamicsToo) {
-  const model::Model heart = generate::generateModel(generate::familyNamed("heart"),
-                                                     {{"start-angle", 0}, {"target-angle", 180}});
-  for (const model::Model& model : {seededSheet(2), heart}) {
-    scene::Scene scene = sceneOf(rounded(model, 3));
-    scene.path.kind = scene::PathKind::Dynamic;
-    const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
-    EXPECT_LE(run.accuracy.targetErrorEnd, 10e-3) << run.pathReason << "; " << run.reason;
-    EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
-  }
+  expectToArriveByDynamics(seededSheet(2));
+}
+
+// Measured: 6.0 digits from the target.
+TEST(RoundedSheets, OfALargeHeartDeployByDynamicsToo) {
+  expectToArriveByDynamics(generate::generateModel(generate::familyNamed("heart"),
+                                                   {{"start-angle", 0}, {"target-angle", 180}}));
 }
 
 }  // namespace

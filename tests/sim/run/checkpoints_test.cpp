@@ -125,7 +125,7 @@ run::DeploymentResult deployWhole(const scene::Scene& scene) {
 
 TEST(Checkpoints, GoOnWhereBricksTouch) {
   // A sheet that is pulled together beyond where its bricks meet, on the ground, under gravity.
-  scene::Scene scene = sheetScene(4, 0.5, 0);
+  scene::Scene scene = sheetScene(3, 0.5, 0);
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 0.9;
   }
@@ -135,8 +135,8 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
   scene.environment.ground = scene::Ground{0, 0.4};
   scene.stop.duration = 1.5;
   using Planar = std::optional<bool>;
-  for (const auto& [planar, tolerance] : std::vector<std::pair<Planar, double>>{
-           {Planar{}, 0}, {Planar{false}, 0}, {Planar{}, 1e-3}, {Planar{false}, 1e-3}}) {
+  for (const auto& [planar, tolerance] :
+       std::vector<std::pair<Planar, double>>{{Planar{}, 1e-3}, {Planar{false}, 0}}) {
     scene.solver.planar = planar;
     scene.solver.tolerance = tolerance;
     const run::DeploymentResult undisturbed = deployWhole(scene);
