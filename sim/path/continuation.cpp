@@ -633,15 +633,16 @@ run::MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide,
   return followBetween(scene, std::move(guide), {.jump = 0}, budget, shouldContinue);
 }
 
-run::MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start,
-                                    const Poses& goal, run::SearchBudget& budget,
-                                    const PathObserver& shouldContinue) {
+run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses> guide,
+                                    run::SearchBudget& budget, const PathObserver& shouldContinue) {
+  const Poses start = guide.front(), goal = guide.back();
+  std::ranges::reverse(guide);
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const double near = kNoFarther * model::tileSize(scene.model);
   const auto isAtStart = [&](const run::MechanismPath& path) {
     return run::pathDistance(bricks, path.states.back(), start) <= near;
   };
-  run::MechanismPath back = connect(scene, {goal, start}, budget, shouldContinue);
+  run::MechanismPath back = connect(scene, std::move(guide), budget, shouldContinue);
   endNearest(bricks, start, back);
   back.isStuck = !isAtStart(back);
   for (const double stiffness : kNearStart) {

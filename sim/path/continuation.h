@@ -56,13 +56,13 @@ run::MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> g
 run::MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide,
                            run::SearchBudget& budget, const PathObserver& shouldContinue = {});
 
-/// A path from a start to a goal, both with closed joints. It is computed backwards from the
-/// goal: flush bricks jam when a finite move separates them, but a path can end near that
+/// A path along a guide from a start to a goal, both with closed joints. It is computed backwards
+/// from the goal: flush bricks jam when a finite move separates them, but a path can end near that
 /// state. Joints are exact from the goal to the state nearest to the start, and compliant for
 /// the rest. `isStuck` if the path still does not reach the start. The scene's contacts
 /// apply.
-run::MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start,
-                                    const Poses& goal, run::SearchBudget& budget,
+run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses> guide,
+                                    run::SearchBudget& budget,
                                     const PathObserver& shouldContinue = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre. It ends at full

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "sim/path/continuation.h"
+#include "sim/path/fold_guide.h"
 #include "sim/path/smoothing.h"
 #include "sim/run/arrival.h"
 #include "sim/run/assembled_state.h"
@@ -219,7 +220,8 @@ void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
 // Openings that differ by less than this fraction of a tile are equal.
 constexpr double kOpeningStep = 0.02;
 
-/// Whether a path is better than another. A path that arrives without overlaps comes first. Next is
+/// Whether a path is better than another. A path with folds on the wrong side comes last. A path
+/// that arrives without overlaps comes first. Next is
 /// the smaller opening in steps of kOpeningStep, then smoothness, then the exact opening. With
 /// overlaps, the smaller overlap is better. Before the target, the nearer end is better. If the
 /// user requests contacts, a path with overlaps is the last choice.
@@ -241,6 +243,9 @@ class PathOrder {
     const bool isOverlapping = path.overlapGrowth > run::kClearShare * tile_;
     if (arrives && !isOverlapping) {
       return {0, std::floor(path.opening / (kOpeningStep * tile_)), path.roughFrames, path.opening};
+    }
+    if (path.end == run::PathEnd::WrongFolds) {
+      return {4, path.overlapGrowth, path.roughFrames, path.opening};
     }
     if (isOverlapping && (arrives || mustTouch_)) {
       return {mustTouch_ ? 3 : 1, path.overlapGrowth, path.roughFrames, path.opening};
@@ -336,7 +341,8 @@ class Planner {
         tile_(model::tileSize(scene.model)),
         bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(model::makePivots(scene.model.joints, bricks_)),
-        start_(model::startPoses(scene.model.tiles, bricks_)) {}
+        start_(model::startPoses(scene.model.tiles, bricks_)),
+        folds_(nearest.poses, scene.model, bricks_, pivots_) {}
 
   PlannedPath find() {
     const std::vector<Candidate> candidates = candidatesOf(scene_.path);
@@ -422,9 +428,8 @@ class Planner {
   }
 
   void tryCandidate(Candidate candidate) {
-    std::vector<Poses> guide = candidate.guide == Guide::PreviousPath
-                                   ? previous_
-                                   : std::vector<Poses>{start_, nearest_.poses};
+    std::vector<Poses> guide =
+        candidate.guide == Guide::PreviousPath ? previous_ : folds_.from(start_);
     std::optional<run::PathEvaluation> last;
     while (true) {
       run::GeometricPath found = follow(candidate, guide);
@@ -462,7 +467,7 @@ class Planner {
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
     if (isBack) {
-      found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, shouldContinue);
+      found.path = continueFromGoal(trial, folds_.from(closedStart_), part, shouldContinue);
     } else {
       // If bricks are flush at the start, a jump off it would jam them.
       ContinuationSettings settings;
@@ -505,12 +510,19 @@ class Planner {
     path.isRounded = isRounded;
   }
 
+  /// The state at half of a path's length.
+  static const Poses& halfway(const run::MechanismPath& path) {
+    const auto found = std::ranges::lower_bound(path.lengths, 0.5 * path.length());
+    return path.states[static_cast<std::size_t>(found - path.lengths.begin())];
+  }
+
   run::PathEnd endOf(const run::MechanismPath& path) const {
     if (path.isCutShort) return run::PathEnd::OutOfBudget;
     if (path.isStuck) return run::PathEnd::Stuck;
     const double limit =
         run::arrivalLimit(scene_.model, nearest_.error) + run::roundedReach(scene_.model);
-    return path.error <= limit ? run::PathEnd::Arrived : run::PathEnd::Short;
+    if (path.error > limit) return run::PathEnd::Short;
+    return folds_.isOnWrongSide(halfway(path)) ? run::PathEnd::WrongFolds : run::PathEnd::Arrived;
   }
 
   /// Records a path. Selects it if it is the best so far and begins at the start.
@@ -537,6 +549,7 @@ class Planner {
   std::vector<model::Brick> bricks_;
   std::vector<model::Pivot> pivots_;
   Poses start_, closedStart_;    // as read, and with closed joints
+  FoldGuide folds_;
   std::vector<Poses> previous_;  // the last path without contacts and with compliant joints
   std::optional<bool> isBlocked_;
   PlannedPath planned_;

@@ -10,6 +10,8 @@ std::string toString(PathEnd end) {
       return "short";
     case PathEnd::Stuck:
       return "stuck";
+    case PathEnd::WrongFolds:
+      return "wrong_folds";
     case PathEnd::OutOfBudget:
       return "out_of_budget";
   }

@@ -17,10 +17,11 @@ enum class PathEnd {
   Arrived,      ///< no nearer state with closed joints is known
   Short,        ///< the path was followed to its end, which is farther from the target
   Stuck,        ///< the tiles no longer follow their guide
+  WrongFolds,   ///< at the target, but folds of half a turn are on the wrong side on the path
   OutOfBudget,  ///< the budget or the caller ended it
 };
 
-/// "arrived", "short", "stuck", "out_of_budget".
+/// "arrived", "short", "stuck", "wrong_folds", "out_of_budget".
 std::string toString(PathEnd end);
 
 /// One candidate and its figures. Lengths in metres.
