@@ -122,10 +122,13 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
   requireGiven(order.output, "OUT", command);
 }
 
-/// Warns of data that only FOLD files can store.
+/// Warns of data that the format cannot store. FOLD files can store all, folders also necks.
 void warnOfLosses(const model::Model& model, const std::filesystem::path& output) {
   if (output.extension() == ".fold") return;
   std::vector<std::string> lost;
+  const auto necks = std::ranges::count_if(
+      model.joints, [](const model::Joint& joint) { return static_cast<bool>(joint.neck); });
+  if (necks > 0 && output.has_extension()) lost.push_back(fmt::format("{} necks", necks));
   if (!model.waypoints.empty()) {
     lost.push_back(fmt::format("{} targets before the last", model.waypoints.size()));
   }
@@ -134,7 +137,7 @@ void warnOfLosses(const model::Model& model, const std::filesystem::path& output
   }
   if (lost.empty()) return;
   printWarnings({fmt::format("{}: warning: this format cannot store {}; use a .fold file",
-                             output.string(), fmt::join(lost, " and "))});
+                             output.string(), fmt::join(lost, ", "))});
 }
 
 int carryOut(const ConvertOrder& order) {

@@ -45,6 +45,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
+#include "sim/model/text_table.h"
 
 namespace kirireel::exports {
 namespace {
@@ -501,12 +502,13 @@ ExportFormat deckFormat() {
 using Path = std::filesystem::path;
 
 void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file,
-                writers::planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
+  const std::vector<model::Tile> tiles = model::inUnit(exporter.sheetOf(sample), exporter.unit());
+  writeTextFile(file, model::unitLine(exporter.unit()) + writers::planarObjText(tiles));
 }
 
 void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  model::writeTiles(model::inUnit(exporter.sheetOf(sample), exporter.unit()), file);
+  model::writeTiles(model::inUnit(exporter.sheetOf(sample), exporter.unit()), file,
+                    exporter.unit());
 }
 
 void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {

@@ -265,7 +265,7 @@ void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSet
   model::writeTiles(model::inUnit(model::inFileOrder(model::bottomTiles(bricks, end.last->poses),
                                                      scene.model.fileOrder),
                                   scene.model.unit),
-                    settings.folder / output::kFinalVertices);
+                    settings.folder / output::kFinalVertices, scene.model.unit);
   summary.files.emplace_back(output::kFinalVertices);
   if (!settings.meshes) return;
   const auto write = [&](const char* name, const trajectory::Sample& sample) {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>
@@ -210,6 +211,10 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
     ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
   }
   for (const model::Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  for (const int piece : model::piecesOf(model)) {
+    inspection.pieces.resize(std::max(inspection.pieces.size(), std::size_t(piece) + 1));
+    ++inspection.pieces[piece];
+  }
   inspection.necks = inspectNecks(model);
   for (std::size_t tile = 0; tile < model.tileNames.size(); ++tile) {
     const std::string& name = model.tileNames[tile];
@@ -245,6 +250,12 @@ std::string inspectionText(const Inspection& inspection) {
       countsText(inspection.tilesByVertices, "{} with {} vertices"),
       countsText(inspection.jointsByKind, "{} {}"), lengthText(inspection.size, unit, 4),
       lengthText(inspection.tileSize, unit, 4), lengthText(inspection.suggestedThickness, unit, 2));
+  if (inspection.pieces.size() > 1) {
+    std::map<int, int, std::greater<>> bySize;
+    for (const int tiles : inspection.pieces) ++bySize[tiles];
+    text += fmt::format("pieces: {}, {}\n", inspection.pieces.size(),
+                        countsText(bySize, "{} of {} tiles"));
+  }
   if (inspection.necks.count > 0) text += necksText(inspection.necks, unit);
   if (inspection.rounding > 0) {
     text += fmt::format("coordinates are rounded to {}: singular values below {:.2g} are zero\n",
@@ -277,6 +288,7 @@ std::string inspectionJson(const Inspection& inspection) {
     json["tiles"][fmt::format("{}", vertices)] = count;
   }
   json["joints"] = Json(inspection.jointsByKind);
+  json["pieces"] = inspection.pieces;
   json["necks"] = necksJson(inspection.necks);
   json["names"] = Json(inspection.tilesByName);
   json["size"] = inspection.size;

@@ -41,6 +41,7 @@ struct Inspection {
   LengthUnit unit;                          ///< of its file; used in the text, JSON is in metres
   std::map<int, int> tilesByVertices;       ///< number of tiles by their number of vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
+  std::vector<int> pieces;                  ///< number of tiles of each piece, see piecesOf()
   NeckInspection necks;                     ///< of joints with a neck
   std::map<std::string, std::vector<int>> tilesByName;  ///< of groups and materials in its file
   double size = 0;                                      ///< diagonal of the start, metres

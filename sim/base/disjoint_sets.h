@@ -48,4 +48,11 @@ class DisjointSets {
   std::vector<int> towards_;
 };
 
+/// 0, 1, ... count - 1.
+inline std::vector<int> numbersBelow(std::size_t count) {
+  std::vector<int> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
 }  // namespace kirireel

@@ -21,7 +21,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
@@ -35,12 +34,6 @@ namespace {
 
 // Normals with a smaller angle are of one plane, radians.
 constexpr double kCoplanar = 1e-6;
-
-std::vector<int> numbersBelow(std::size_t count) {
-  std::vector<int> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
-}
 
 /// The outline of faces of one piece; empty if it is not one closed polygon.
 std::vector<int> outlineOf(const CornerNumbers& faces, const std::vector<int>& piece) {
@@ -162,7 +155,7 @@ class PlanarGraph {
               const std::filesystem::path& file)
       : file_(file) {
     project(points);
-    mergePlaces();
+    vertex_ = numbersByPlace(points);
     addEdges(edges);
     requireNoCrossing();
     linkHalfEdges();
@@ -208,22 +201,6 @@ class PlanarGraph {
       }
       places_.emplace_back(point.dot(x), point.dot(y));
     }
-  }
-
-  // By x, then y: equal places follow each other up to rounding along x.
-  void mergePlaces() {
-    DisjointSets vertex(places_.size());
-    std::vector<int> order = numbersBelow(places_.size());
-    std::ranges::stable_sort(order, {}, [&](int k) { return places_[k].x(); });
-    for (std::size_t b = 0; b < order.size(); ++b) {
-      for (std::size_t a = b; a-- > 0;) {
-        const Point apart = places_[order[b]] - places_[order[a]];
-        if (apart.x() > tolerance()) break;
-        if (apart.norm() <= tolerance()) vertex.unite(order[a], order[b]);
-      }
-    }
-    vertex_.clear();
-    for (int k = 0; k < std::ssize(places_); ++k) vertex_.push_back(vertex.lowestOf(k));
   }
 
   void addEdges(const std::vector<Crease>& edges) {
@@ -347,7 +324,22 @@ class PlanarGraph {
       }
     }
     for (const std::optional<bool>& value : isSheet) isSheet_.push_back(value.value_or(false));
+    requireBoundariesAround();
     requireNoIslands();
+  }
+
+  // Boundary edges have the sheet on one side.
+  void requireBoundariesAround() const {
+    for (int half = 0; half < std::ssize(tails_); half += 2) {
+      const int left = walkOf_[half], right = walkOf_[half ^ 1];
+      if (left == right || isOutside_[left] || isOutside_[right]) continue;
+      const bool isBorder = isSheet_[left] != isSheet_[right];
+      if (isBorder == isBoundary_[half / 2]) continue;
+      throw fault(
+          fmt::format("boundary edges (B) near vertex {} have the sheet on both sides. Give "
+                      "cuts the letter C, or add faces_vertices",
+                      tail(half)));
+    }
   }
 
   // A part of the drawing that lies in a face of another part makes a hole in it.
@@ -402,6 +394,23 @@ class PlanarGraph {
 };
 
 }  // namespace
+
+std::vector<int> numbersByPlace(const std::vector<Vector3>& points) {
+  const double tolerance = samePlaceTolerance({Tile{points}});
+  DisjointSets places(points.size());
+  std::vector<int> order = numbersBelow(points.size());
+  std::ranges::stable_sort(order, {}, [&](int k) { return points[k].x(); });
+  for (std::size_t b = 0; b < order.size(); ++b) {
+    for (std::size_t a = b; a-- > 0;) {
+      const Vector3 apart = points[order[b]] - points[order[a]];
+      if (apart.x() > tolerance) break;
+      if (apart.norm() <= tolerance) places.unite(order[a], order[b]);
+    }
+  }
+  std::vector<int> numbers;
+  for (const int k : numbersBelow(points.size())) numbers.push_back(places.lowestOf(k));
+  return numbers;
+}
 
 CornerNumbers planarFaces(const std::vector<Vector3>& points, const std::vector<Crease>& edges,
                           const std::filesystem::path& file) {

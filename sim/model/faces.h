@@ -37,6 +37,9 @@ FacePairs coplanarFaces(const CornerNumbers& faces,
                         const std::vector<const std::vector<Tile>*>& states,
                         const std::set<std::pair<int, int>>* edges = nullptr);
 
+/// For each point the lowest number of a point in the same place, see samePlaceTolerance().
+std::vector<int> numbersByPlace(const std::vector<Vector3>& points);
+
 /// The faces that the edges of a flat drawing enclose, anticlockwise seen from above. Vertices in
 /// one place are one. A region that boundary edges (B) part from the sheet is a hole.
 /// Throws InputError that names the file if the drawing is not flat, if edges cross without a

@@ -39,6 +39,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/faces.h"
@@ -87,6 +88,32 @@ bool fitsInt(const Json& value) {
   return value.get<std::int64_t>() >= std::numeric_limits<int>::min();
 }
 
+/// Gives vertices other numbers. An edge that is then there twice is one. If it was the boundary on
+/// both sides, it is a cut; otherwise the side that has a fold decides.
+void renumber(const std::vector<int>& numbers, FoldSheet& drawing) {
+  for (std::vector<int>& face : drawing.faces) {
+    for (int& vertex : face) vertex = numbers[vertex];
+  }
+  std::vector<Crease> creases;
+  std::map<std::pair<int, int>, std::size_t> known;
+  for (Crease crease : drawing.creases) {
+    crease.from = numbers[crease.from];
+    crease.to = numbers[crease.to];
+    if (crease.from == crease.to) continue;
+    const auto [found, isNew] = known.emplace(std::minmax(crease.from, crease.to), creases.size());
+    if (isNew) {
+      creases.push_back(crease);
+      continue;
+    }
+    Crease& first = creases[found->second];
+    if (first.assignment == 'B') {
+      first = crease;
+      if (crease.assignment == 'B') first.assignment = 'C';
+    }
+  }
+  drawing.creases = std::move(creases);
+}
+
 /// One frame of the file, with readers that describe faults in it.
 class FoldReader {
  public:
@@ -98,15 +125,18 @@ class FoldReader {
   }
 
   /// The unit in frame_unit; absent if there is none or it is not a unit of length.
-  std::optional<LengthUnit> unit() const {
-    const Json* value = find("frame_unit");
-    return value && value->is_string() ? findLengthUnit(value->get<std::string>()) : std::nullopt;
-  }
+  std::optional<LengthUnit> unit() const { return unitOf(frame_); }
 
   /// The coordinates of the start, followed by those of all states of the same sheet.
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
-    for (const int frame : states_) states.push_back(points(*find(frame, "vertices_coords")));
+    for (const int frame : states_) {
+      std::vector<Vector3>& state = states.emplace_back(points(*find(frame, "vertices_coords")));
+      // Frames may have their own units.
+      if (unit() && unitOf(frame) && *unit() != *unitOf(frame)) {
+        for (Vector3& point : state) point *= unitOf(frame)->metres / unit()->metres;
+      }
+    }
     return states;
   }
 
@@ -211,6 +241,13 @@ class FoldReader {
           others > 0 ? fmt::format(", and {} {} not read", others, others == 1 ? "is" : "are")
                      : ""));
     }
+    // FOLD's "unit" is no unit of length.
+    const Json* name = find("frame_unit");
+    if (name != nullptr && !unit() && *name != "unit" && !settings.unit) {
+      warnings.push_back(
+          fmt::format("{}: warning: frame_unit {} is not known, so lengths are in m; set `unit`",
+                      file_.string(), shown(name->dump(), 24)));
+    }
     std::vector<std::string> ignored;
     for (const char* key : {"faceOrders", "edgeOrders"}) {
       const Json* list = find(key);
@@ -261,6 +298,11 @@ class FoldReader {
   InputError fault(const std::string& message) const { return inputErrorAt({file_}, message); }
 
  private:
+  std::optional<LengthUnit> unitOf(int frame) const {
+    const Json* value = find(frame, "frame_unit");
+    return value && value->is_string() ? findLengthUnit(value->get<std::string>()) : std::nullopt;
+  }
+
   static const Json* own(const Json& object, const char* key) {
     const auto found = object.find(key);
     return found == object.end() ? nullptr : &*found;
@@ -460,6 +502,7 @@ class FoldReader {
         drawing.faces.push_back(cornersBetween(wholeNumbers(face, drawing.faces.size()), drawing));
       }
     } else {
+      renumber(numbersByPlace(drawing.vertices), drawing);
       drawing.faces = planarFaces(drawing.vertices, drawing.creases, file_);
     }
     requireVertices(drawing.faces, drawing.vertices.size());
@@ -507,6 +550,26 @@ TileTable tableOf(const fs::path& file, const CornerNumbers& outlines,
     table.sources.push_back({0, std::vector<int>(outline.size(), 0)});
   }
   return table;
+}
+
+/// Gives vertices at one place one number, as in a mesh whose faces have their own vertices.
+void mergeRepeatedVertices(const std::vector<std::vector<Vector3>>& states, const fs::path& file,
+                           FoldSheet& drawing) {
+  std::vector<std::vector<Tile>> tiles;
+  for (const std::vector<Vector3>& points : states) {
+    tiles.push_back(tableOf(file, drawing.faces, points).tiles);
+  }
+  std::vector<const std::vector<Tile>*> all;
+  for (const std::vector<Tile>& state : tiles) all.push_back(&state);
+  const CornerNumbers merged = meshNumbers(drawing.faces, all, file);
+  if (merged == drawing.faces) return;
+  std::vector<int> numbers = numbersBelow(drawing.vertices.size());
+  for (std::size_t face = 0; face < merged.size(); ++face) {
+    for (std::size_t k = 0; k < merged[face].size(); ++k) {
+      numbers[drawing.faces[face][k]] = merged[face][k];
+    }
+  }
+  renumber(numbers, drawing);
 }
 
 /// Removes slits and repeated vertices from the faces, and joins those that J edges join.
@@ -885,6 +948,7 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
   model.name = file.stem().string();
   model.declaredUnit = reader.unit();
   FoldSheet& drawing = model.drawing.emplace(reader.drawing(states.front()));
+  if (reader.ownJoints() == nullptr) mergeRepeatedVertices(states, file, drawing);
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
   warnOfLooseEdges(drawing, file, warnings);
@@ -914,7 +978,8 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
     takeAnglesOfTarget(outlines, *model.target, creases);
   }
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
-  turnClockwiseTiles(start, model, warnings);
+  // Faces of a folded sheet may be turned over.
+  if (!drawing.isFolded) turnClockwiseTiles(start, model, warnings);
   model.foldAngles = foldAnglesOf(outlines, creases, model, normal, file);
   return model;
 }

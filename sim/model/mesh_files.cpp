@@ -15,6 +15,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -274,6 +275,13 @@ class ObjReader {
   ObjSheet sheet_;
 };
 
+bool sharesNumbers(const CornerNumbers& numbers) {
+  std::set<int> seen;
+  return std::ranges::any_of(numbers, [&](const std::vector<int>& tile) {
+    return std::ranges::any_of(tile, [&](int number) { return !seen.insert(number).second; });
+  });
+}
+
 void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
   // If each face has its own vertices, their numbers contain no joints. Programs that write such
   // files number them arbitrarily.
@@ -400,10 +408,11 @@ void writeObjPair(const Model& inOrder, const fs::path& file) {
     comments += fmt::format("# pull {}\n", tile);
   }
   const CornerNumbers numbers = sharedNumbers(model);
-  writeTextFile(file, objText(model.tiles, numbers, model.tileNames) + comments);
+  const std::string unit = unitLine(model.unit);
+  writeTextFile(file, unit + objText(model.tiles, numbers, model.tileNames) + comments);
   if (!model.target) return;
   writeTextFile(deployedName(file, file.extension()),
-                objText(*model.target, numbers, model.tileNames));
+                unit + objText(*model.target, numbers, model.tileNames));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
@@ -997,26 +998,55 @@ std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector
   return jointsOfSharedNumbers(coincidingNumbers(states, file));
 }
 
-bool sharesNumbers(const CornerNumbers& numbers) {
-  std::set<int> seen;
-  for (const std::vector<int>& tile : numbers) {
-    for (const int number : tile) {
-      if (!seen.insert(number).second) return true;
+namespace {
+
+/// Tiles that share numbers, directly or through others, are one part.
+DisjointSets partsByNumbers(const CornerNumbers& numbers) {
+  DisjointSets parts(numbers.size());
+  std::map<int, int> holder;
+  for (int tile = 0; tile < std::ssize(numbers); ++tile) {
+    for (const int number : numbers[tile]) {
+      parts.unite(holder.emplace(number, tile).first->second, tile);
     }
   }
-  return false;
+  return parts;
 }
+
+}  // namespace
 
 CornerNumbers meshNumbers(const CornerNumbers& numbers,
                           const std::vector<const std::vector<Tile>*>& states,
                           const std::filesystem::path& file) {
-  return sharesNumbers(numbers) ? numbers : coincidingNumbers(states, file);
-}
-
-std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
-                                const std::vector<const std::vector<Tile>*>& states,
-                                const std::filesystem::path& file) {
-  return jointsOfSharedNumbers(meshNumbers(numbers, states, file));
+  DisjointSets parts = partsByNumbers(numbers);
+  const auto isWhole = [&](int tile) { return parts.lowestOf(tile) == parts.lowestOf(0); };
+  if (std::ranges::all_of(numbersBelow(numbers.size()), isWhole)) return numbers;
+  // At each place, the numbers of each part. Two numbers of one part are the sides of a slit.
+  const CornerNumbers places = coincidingNumbers(states, file);
+  std::map<int, std::map<int, std::set<int>>> numbersAt;
+  for (std::size_t tile = 0; tile < numbers.size(); ++tile) {
+    const int part = parts.lowestOf(static_cast<int>(tile));
+    for (std::size_t k = 0; k < numbers[tile].size(); ++k) {
+      numbersAt[places[tile][k]][part].insert(numbers[tile][k]);
+    }
+  }
+  std::map<int, int> merged;
+  for (const auto& [place, byPart] : numbersAt) {
+    int lowest = -1;
+    for (const auto& [part, own] : byPart) {
+      if (own.size() > 1) continue;
+      if (lowest < 0 || *own.begin() < lowest) lowest = *own.begin();
+    }
+    for (const auto& [part, own] : byPart) {
+      if (own.size() == 1) merged[*own.begin()] = lowest;
+    }
+  }
+  CornerNumbers result = numbers;
+  for (std::vector<int>& tile : result) {
+    for (int& number : tile) {
+      if (const auto found = merged.find(number); found != merged.end()) number = found->second;
+    }
+  }
+  return result;
 }
 
 // Requires exact equality. Writing and reading a mesh then loses nothing.

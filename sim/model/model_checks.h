@@ -238,19 +238,13 @@ std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers);
 std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
                                              const std::filesystem::path& file);
 
-/// Whether any two corners have the same number.
-bool sharesNumbers(const CornerNumbers& numbers);
-
-/// Vertex numbers of a mesh: its own numbers if faces share any, else one number for each group of
-/// coinciding corners.
+/// Vertex numbers of a mesh. Between tiles that share numbers, directly or through others, the
+/// file's own numbers decide. Corners of other tiles get the same number if they coincide in every
+/// state: programs write the vertices of each object, or of each face, anew. Throws InputError as
+/// jointsOfCoincidingCorners().
 CornerNumbers meshNumbers(const CornerNumbers& numbers,
                           const std::vector<const std::vector<Tile>*>& states,
                           const std::filesystem::path& file);
-
-/// The joints of a mesh: from shared numbers if faces share any, else from coinciding corners.
-std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
-                                const std::vector<const std::vector<Tile>*>& states,
-                                const std::filesystem::path& file);
 
 /// Vertex numbers for a mesh of the model. Corners that pivots join share a number if their
 /// coordinates are bitwise equal at the start and at all targets. `withTopJoints` includes corners

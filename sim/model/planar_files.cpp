@@ -447,7 +447,7 @@ SheetFrame requirePlanar(const Model& model, const fs::path& file) {
 void writePlanarFiles(const Model& inOrder, const fs::path& vertices) {
   const SheetFrame frame = requirePlanar(inOrder, vertices);
   const Model model = inFileOrder(inOrder);
-  writeTextFile(vertices, planarTileText(toFrame(frame, model.tiles)));
+  writeTextFile(vertices, unitLine(model.unit) + planarTileText(toFrame(frame, model.tiles)));
   writeTextFile(beside(vertices, "constraints"), planarJointText(model.joints));
   if (!model.hull) return;
   std::string hull;

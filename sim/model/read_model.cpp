@@ -118,10 +118,18 @@ std::vector<Tile> startOf(const fs::path& path, const Model& model, bool joinCop
   return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
 }
 
+/// The file of a model's tiles.
+fs::path tileFileOf(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return path / "vertices.txt";
+  return endingOf(path) == ".txt" ? planarVertices(path) : path;
+}
+
 /// Readers return coordinates in the file's unit and the declared unit. Converts them to metres.
 void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
                std::vector<std::string>& warnings) {
   if (isDrawing(path)) return;  // a drawing has its own scale, see readCutPattern()
+  // FOLD has a key for its unit, and no comments.
+  if (endingOf(path) != ".fold") model.declaredUnit = unitInComments(tileFileOf(path));
   const std::optional<LengthUnit> declared = model.declaredUnit;
   if (settings.unit && declared && *settings.unit != *declared) {
     warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (`unit`)",
@@ -158,10 +166,11 @@ std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
   if (endingOf(path) == ".txt") {
     // Compared with the start in the file's unit.
+    const double metres = unitInComments(path).value_or(model.unit).metres;
     Model inFile = model;
-    scaleLengths(inFile, 1 / model.unit.metres);
+    scaleLengths(inFile, 1 / metres);
     inFile.target = readTargetFile(path, inFile, warnings);
-    scaleLengths(inFile, model.unit.metres);
+    scaleLengths(inFile, metres);
     return *inFile.target;
   }
   return startOf(path, model, model.areCoplanarJoined);
@@ -524,7 +533,7 @@ void writeModelFolder(const Model& inOrder, const fs::path& folder) {
   requirePivots(model, folder);
   // An empty text means that the file must not exist.
   const std::vector<std::pair<const char*, std::string>> files = {
-      {"vertices.txt", tilesText(model.tiles)},
+      {"vertices.txt", unitLine(model.unit) + tilesText(model.tiles)},
       {"constraints.txt", jointText(model.joints)},
       {"necks.txt", neckText(model.joints)},
       {"target.txt", model.target ? tilesText(*model.target) : ""},
@@ -539,8 +548,8 @@ void writeModelFolder(const Model& inOrder, const fs::path& folder) {
   }
 }
 
-void writeTiles(const std::vector<Tile>& tiles, const fs::path& file) {
-  writeTextFile(file, tilesText(tiles));
+void writeTiles(const std::vector<Tile>& tiles, const fs::path& file, const LengthUnit& unit) {
+  writeTextFile(file, unitLine(unit) + tilesText(tiles));
 }
 
 }  // namespace kirireel::model

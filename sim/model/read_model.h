@@ -70,7 +70,9 @@ std::vector<Tile> readTileFile(const std::filesystem::path& file);
 /// exists with other contents. Throws OutputError if writing fails.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
-/// Writes only tiles, as in vertices.txt. The end of a run can then be the target of another.
-void writeTiles(const std::vector<Tile>& tiles, const std::filesystem::path& file);
+/// Writes only tiles, as in vertices.txt, with the unit of their coordinates. The end of a run can
+/// then be the target of another.
+void writeTiles(const std::vector<Tile>& tiles, const std::filesystem::path& file,
+                const LengthUnit& unit = {});
 
 }  // namespace kirireel::model

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -170,6 +172,23 @@ int parseWholeNumber(const TextField& field, const FileLocation& location,
                               meaning, std::numeric_limits<int>::max()));
   }
   return static_cast<int>(value);
+}
+
+std::string unitLine(const LengthUnit& unit) {
+  return unit.metres == 1 ? "" : fmt::format("# unit {}\n", unit.name);
+}
+
+std::optional<LengthUnit> unitInComments(const std::filesystem::path& file) {
+  constexpr int kFirstLines = 20;
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  for (int k = 0; k < kFirstLines && std::getline(stream, line); ++k) {
+    std::istringstream words(line);
+    std::string comment, key, name, more;
+    if (!(words >> comment >> key >> name) || words >> more) continue;
+    if ((comment == "#" || comment == "comment") && key == "unit") return findLengthUnit(name);
+  }
+  return std::nullopt;
 }
 
 }  // namespace kirireel::model

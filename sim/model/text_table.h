@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/length_unit.h"
 
 namespace kirireel::model {
 
@@ -95,5 +97,13 @@ double parseNumberWithin(const TextField& field, const FileLocation& location, d
 /// describes the expected value, e.g. "a tile number".
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning);
+
+/// A first line that declares the unit of a text file, "# unit mm". Empty for metres, the unit of
+/// files without such a line.
+std::string unitLine(const LengthUnit& unit);
+
+/// The unit that such a line, or "comment unit mm" of a PLY file, declares among the first lines of
+/// a file. Absent if there is none.
+std::optional<LengthUnit> unitInComments(const std::filesystem::path& file);
 
 }  // namespace kirireel::model

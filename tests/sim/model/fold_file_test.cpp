@@ -4,12 +4,17 @@
 // from the edges of a random drawing are those that it was made of; a model of data/ comes back
 // from every format; angles of letters are those of the same file with angles.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <random>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/faces.h"
@@ -66,6 +71,100 @@ json edited(json file, const json& changes) {
 
 Vector3 cornerOf(const std::vector<model::Tile>& tiles, int tile, int vertex) {
   return tiles[static_cast<std::size_t>(tile)].vertices[static_cast<std::size_t>(vertex)];
+}
+
+/// A file whose faces have their own vertices, and their own edges with the letters of the file.
+json withOwnVertices(const json& file) {
+  json own = file;
+  for (const char* key :
+       {"vertices_coords", "faces_vertices", "edges_vertices", "edges_assignment"})
+    own[key] = json::array();
+  std::map<std::set<int>, json> letters;
+  for (std::size_t k = 0; k < file["edges_vertices"].size(); ++k) {
+    const json& edge = file["edges_vertices"][k];
+    letters[{edge[0], edge[1]}] = file["edges_assignment"][k];
+  }
+  for (const json& face : file["faces_vertices"]) {
+    const std::size_t first = own["vertices_coords"].size(), count = face.size();
+    json outline;
+    for (std::size_t k = 0; k < count; ++k) {
+      own["vertices_coords"].push_back(file["vertices_coords"][face[k].get<std::size_t>()]);
+      outline.push_back(first + k);
+      own["edges_vertices"].push_back({first + k, first + (k + 1) % count});
+      own["edges_assignment"].push_back(letters.at({face[k], face[(k + 1) % count]}));
+    }
+    own["faces_vertices"].push_back(outline);
+  }
+  return own;
+}
+
+/// Whether two corners are joined, directly or through others.
+DisjointSets joinedCorners(const model::Model& model) {
+  std::vector<int> first = {0};
+  for (const model::Tile& tile : model.tiles) {
+    first.push_back(first.back() + static_cast<int>(tile.vertices.size()));
+  }
+  DisjointSets sets(static_cast<std::size_t>(first.back()));
+  for (const model::Joint& joint : model.joints) {
+    sets.unite(first[static_cast<std::size_t>(joint.a.tile)] + joint.a.vertex,
+               first[static_cast<std::size_t>(joint.b.tile)] + joint.b.vertex);
+  }
+  return sets;
+}
+
+// With faces and without: the same joints and folds as with common vertices.
+TEST(FoldFile, FacesMayHaveTheirOwnVertices) {
+  const auto without = [](json file, const char* key) {
+    file.erase(key);
+    return file;
+  };
+  const json file = json::parse(
+      R"({"file_spec": 1.1, "vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
+      "faces_vertices": [[0,1,4,3],[1,2,5,4],[3,4,7,6],[4,5,8,7]],
+      "edges_vertices": [[0,1],[1,2],[2,5],[5,8],[8,7],[7,6],[6,3],[3,0],[1,4],[4,7],[3,4],[4,5]],
+      "edges_assignment": ["B","B","B","B","B","B","B","B","V","C","V","M"]})");
+  const model::Model whole = readText(file.dump()).model;
+  ASSERT_EQ(whole.foldAngles.size(), 6u);
+  for (const json& own : {withOwnVertices(file), without(withOwnVertices(file), "faces_vertices"),
+                          without(file, "faces_vertices")}) {
+    const ReadSheet sheet = readText(own.dump());
+    // Faces that are found have their own order.
+    const auto signs = [](const model::Model& model) {
+      std::multiset<double> angles;
+      for (const auto& [pair, angle] : model.foldAngles) angles.insert(angle);
+      return angles;
+    };
+    EXPECT_EQ(signs(sheet.model), signs(whole)) << sheet.said;
+    EXPECT_EQ(std::ranges::max(joinedCorners(sheet.model).numbers()),
+              std::ranges::max(joinedCorners(whole).numbers()))
+        << sheet.said;
+    EXPECT_EQ(sheet.said.find("not read"), sheet.said.npos) << sheet.said;
+  }
+}
+
+TEST(FoldFile, FramesMayHaveTheirOwnUnits) {
+  json file = edited(twoSquares(), {{"frame_unit", "mm"}});
+  json places = file["vertices_coords"];
+  for (json& place : places)
+    place = {place[0].get<double>() / 10, place[1].get<double>() / 10, 0.01};
+  file["file_frames"] = {{{"frame_parent", 0},
+                          {"frame_inherit", true},
+                          {"frame_unit", "cm"},
+                          {"vertices_coords", places}}};
+  const model::Model model = readText(file.dump()).model;
+  ASSERT_TRUE(model.target);
+  EXPECT_NEAR((cornerOf(*model.target, 1, 1) - Vector3(2e-3, 0, 1e-4)).norm(), 0, 1e-15);
+  EXPECT_NE(readText(edited(twoSquares(), {{"frame_unit", "inch"}}).dump())
+                .said.find("frame_unit \"inch\" is not known"),
+            std::string::npos);
+}
+
+TEST(FoldFile, RefusesBoundariesInsideASheetWithoutFaces) {
+  json file = edited(twoSquares(), {{"edges_assignment", {"B", "B", "B", "B", "B", "B", "B"}}});
+  file.erase("faces_vertices");
+  EXPECT_EQ(readText(file.dump()).said,
+            "@/a.fold: error: boundary edges (B) near vertex 1 have the sheet on both sides. Give "
+            "cuts the letter C, or add faces_vertices");
 }
 
 /// Lengths are in the file's unit, and converting keeps it.
@@ -524,6 +623,51 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
   EXPECT_EQ(fortran.said,
             "@/a.obj:5: repaired: 1 of 1 tiles list a vertex again, or NaN in place of one; "
             "removed as padding");
+}
+
+// Tiles in objects, as a program writes that numbers the vertices of each object anew. Corners of
+// an open tessellation coincide only where they are joined.
+TEST(MeshFile, JoinsObjectsWhereTheyMeet) {
+  model::TessellationShape shape;
+  shape.columns = shape.rows = 4;
+  shape.startAngle = 0.6;
+  model::Model sheet = model::makeTessellation(shape);
+  sheet.target.reset();
+  std::mt19937 draw(3);
+  for (const int objects : {1, 2, 5, 16}) {
+    std::string text;
+    int count = 0;
+    std::vector<std::map<std::array<double, 3>, int>> known(static_cast<std::size_t>(objects));
+    for (std::size_t tile = 0; tile < sheet.tiles.size(); ++tile) {
+      // 16: one object per tile.
+      const std::size_t object = objects == 16 ? tile : draw() % static_cast<unsigned>(objects);
+      std::string face = "f";
+      for (const Vector3& p : sheet.tiles[tile].vertices) {
+        const std::array<double, 3> key = {std::round(1e6 * p.x()), std::round(1e6 * p.y()), 0};
+        const auto [at, isNew] = known[object].emplace(key, count + 1);
+        if (isNew) ++count;
+        if (isNew) text += fmt::format("v {:.9f} {:.9f} 0\n", p.x(), p.y());
+        face += fmt::format(" {}", at->second);
+      }
+      text += face + "\n";
+    }
+    const ReadSheet read = readText(text, {}, "a.obj");
+    EXPECT_EQ(joinedCorners(read.model).numbers(), joinedCorners(sheet).numbers()) << read.said;
+  }
+}
+
+// Every format that convert writes.
+TEST(RoundTrips, KeepTheUnit) {
+  model::Model sheet = model::makeTessellation({});
+  sheet.unit = *findLengthUnit("mm");
+  const TemporaryFolder folder;
+  for (const char* name : {"sheet", "sheet.obj", "sheet.fold", "sheet_vertices.txt"}) {
+    model::writeModel(sheet, folder / name);
+    std::vector<std::string> warnings;
+    const model::Model again = model::readModel(folder / name, std::nullopt, warnings);
+    EXPECT_EQ(again.unit, sheet.unit) << name;
+    EXPECT_NEAR(model::modelSize(again) / model::modelSize(sheet), 1, 1e-12) << name;
+  }
 }
 
 TEST(MeshFile, SaysWhatObjHoldsBesides) {
