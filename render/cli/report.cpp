@@ -170,6 +170,10 @@ std::string describeElasticity(const std::optional<model::Elasticity>& found) {
     const int count = found->count(kind.name.counted);
     if (count > 0) forces.push_back(fmt::format(fmt::runtime(kind.name.words), count));
   }
+  // Springs at hinges are folds of panels.
+  if (const int bars = found->count("bars"); bars > 0) {
+    forces = {fmt::format("{} bars", bars), fmt::format("{} folds", found->count("folds"))};
+  }
   return fmt::format(
       "{}: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N m there\n",
       fmt::join(forces, " and "), found->energyStart, found->energyEnd, found->momentEnd);

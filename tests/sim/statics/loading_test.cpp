@@ -304,6 +304,57 @@ TEST(Loading, LiftsATileAboutAFold) {
   const double angle = std::asin(0.6);
   EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
   EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
+  // The elasticity is that of bars and folds, not that of rigid tiles in their best fit.
+  ASSERT_TRUE(run.elasticity.has_value());
+  EXPECT_EQ(run.elasticity->count("bars"), 9);
+  EXPECT_EQ(run.elasticity->count("folds"), 3);
+  EXPECT_NEAR(run.elasticity->energyEnd, last.energy, 1e-12 * last.energy);
+  EXPECT_NEAR(run.elasticity->momentEnd, 0.5 * angle, 1e-5);
+}
+
+// Every state of the panels has the energy that the solver found. Fold angles and strains follow
+// from the nodes.
+TEST(Loading, StoresTheStatesOfPanels) {
+  const run::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
+  ASSERT_TRUE(run.trajectory.panels);
+  const trajectory::PanelSheet& panels = *run.trajectory.panels;
+  const std::vector<mechanics::Equilibrium>& states = run.loadCurve->states;
+  ASSERT_EQ(panels.states.size(), states.size());
+  EXPECT_EQ(panels.tileNodes[0][1], panels.tileNodes[1][0]);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const trajectory::PanelState& state = panels.states[k];
+    EXPECT_NEAR(panels.energy(state), states[k].energy, 1e-14);
+    for (std::size_t b = 0; b < panels.bars.size(); ++b) {
+      const auto& [nodeA, nodeB, rest, stiffness] = panels.bars[b];
+      const double length = (state.nodes[static_cast<std::size_t>(nodeB)] -
+                             state.nodes[static_cast<std::size_t>(nodeA)])
+                                .norm();
+      EXPECT_NEAR(state.strains[b], length / rest - 1, 1e-15);
+    }
+  }
+  EXPECT_EQ(panels.states.back().time, run.trajectory.samples.back().time);
+}
+
+// Bars between held nodes need no springs at folds, and still hold energy.
+TEST(Loading, CountsTheEnergyOfBarsWithoutFolds) {
+  scene::Scene scene = liftedFold();
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+  scene.model.joints.clear();
+  scene.hinges.stiffness = 0;
+  scene::GripSetting held, pulled;
+  held.tiles = {0};
+  held.corners = {{0, 0}, {0, 1}};
+  held.x = held.y = held.z = 0;
+  pulled.tiles = {0};
+  pulled.corners = {{0, 2}};
+  pulled.y = 0.1;
+  pulled.x = pulled.z = 0;
+  scene.grips = {held, pulled};
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  ASSERT_TRUE(run.elasticity.has_value());
+  EXPECT_EQ(run.elasticity->count("bars"), 3);
+  EXPECT_GT(run.elasticity->energyEnd, 0);
+  EXPECT_NEAR(run.elasticity->energyEnd / run.loadCurve->states.back().energy, 1, 1e-12);
 }
 
 // Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.
