@@ -133,9 +133,10 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
         fmt::format("; rounding adds up to {:.2g} tiles and {:.2g} J in all",
                     cost.took.rounding / model::tileSize(scene.model), cost.took.energyRounding);
   }
-  text += summary.timeError ? fmt::format("; a tenth of it moves vertices by at most {:.2g} tiles",
-                                          *summary.timeError)
-                            : "; the error of the run is not known (--measure-time-error)";
+  text += summary.timeError
+              ? fmt::format("; a hundredth of it moves vertices by at most {:.2g} tiles",
+                            *summary.timeError)
+              : "; the error of the run is not known (--measure-time-error)";
   return fmt::format("{}; {:.2g} s of CPU time, {} steps rejected\n", text, cost.cpuSeconds,
                      cost.took.rejected);
 }

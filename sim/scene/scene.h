@@ -194,7 +194,7 @@ struct SolverSettings {
   /// Allowed error in time of one step, tiles (see Extrapolation); 0: fixed steps, of first
   /// order.
   double tolerance = 0;
-  /// Whether a run is repeated with a tenth of the tolerance to measure its error in time.
+  /// Whether a run is repeated with a hundredth of the tolerance to measure its error in time.
   bool measuresTimeError = false;
   std::optional<int> substeps;  ///< solver steps per time step; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep

@@ -440,7 +440,7 @@ SettingGroup solverSettings() {
                .needsDynamics(kOtherSolver),
            flag<&Scene::solver, &SolverSettings::measuresTimeError>(
                "measure_time_error",
-               "run again with a tenth of the tolerance and report the difference")
+               "run again with a hundredth of the tolerance and report the difference")
                .with(hasTolerance, "`tolerance` above 0")
                .needsDynamics(kOtherSolver),
            number<&Scene::solver, &SolverSettings::timestep>(
