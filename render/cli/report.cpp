@@ -133,9 +133,10 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
         fmt::format("; rounding adds up to {:.2g} tiles and {:.2g} J in all",
                     cost.took.rounding / model::tileSize(scene.model), cost.took.energyRounding);
   }
-  text += summary.timeError ? fmt::format("; a tenth of it moves vertices by at most {:.2g} tiles",
-                                          *summary.timeError)
-                            : "; the error of the run is not known (--measure-time-error)";
+  text += summary.timeError
+              ? fmt::format("; a hundredth of it moves vertices by at most {:.2g} tiles",
+                            *summary.timeError)
+              : "; the error of the run is not known (--measure-time-error)";
   return fmt::format("{}; {:.2g} s of CPU time, {} steps rejected\n", text, cost.cpuSeconds,
                      cost.took.rejected);
 }
@@ -169,6 +170,10 @@ std::string describeElasticity(const std::optional<model::Elasticity>& found) {
   for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     const int count = found->count(kind.name.counted);
     if (count > 0) forces.push_back(fmt::format(fmt::runtime(kind.name.words), count));
+  }
+  // Springs at hinges are folds of panels.
+  if (const int bars = found->count("bars"); bars > 0) {
+    forces = {fmt::format("{} bars", bars), fmt::format("{} folds", found->count("folds"))};
   }
   return fmt::format(
       "{}: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N m there\n",

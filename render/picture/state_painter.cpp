@@ -22,6 +22,7 @@
 #include "render/picture/canvas.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
+#include "sim/trajectory/panels.h"
 #include "sim/trajectory/run_curves.h"
 
 namespace kirireel::picture {
@@ -294,8 +295,8 @@ DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
 }
 
 PictureItems PictureSetup::items(const ShownState& state) const {
-  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}, {}, {},
-                     {}};
+  PictureItems items{
+      state.poses, palette_.colours(state.poses, state.time), state.pinned, {}, {}, {}, {}, {}, {}};
   if (jointMarks_) {
     for (const model::Pivot& pivot : content_.pivots) {
       items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
@@ -690,9 +691,9 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
   }
-  const bool isPulled = colouring_ == Colouring::Moment
-                            ? !model::hingeSpringsOf(content.pairForces).empty()
-                            : !content.pairForces.empty();
+  const bool isPulled = content.panels || (colouring_ == Colouring::Moment
+                                               ? !model::hingeSpringsOf(content.pairForces).empty()
+                                               : !content.pairForces.empty());
   if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
@@ -771,7 +772,13 @@ void BrickPalette::colourShapes() {
 /// The maximum in the states of the run; 0 before it.
 double BrickPalette::largestOfRun() const {
   double most = 0;
-  for (const Poses& poses : content_.states) most = std::max(most, largest(values(poses)));
+  if (content_.panels && (colouring_ == Colouring::Moment || colouring_ == Colouring::Energy)) {
+    for (const trajectory::PanelState& state : content_.panels->states) {
+      most = std::max(most, largest(values({}, state.time)));
+    }
+    return most;
+  }
+  for (const Poses& poses : content_.states) most = std::max(most, largest(values(poses, 0)));
   return most;
 }
 
@@ -797,7 +804,7 @@ double BrickPalette::largestExpected() const {
 }
 
 /// One per brick, in the unit of titleOf().
-std::vector<double> BrickPalette::values(const Poses& poses) const {
+std::vector<double> BrickPalette::values(const Poses& poses, double time) const {
   const auto inUnits = [&](std::vector<double> lengths) {
     for (double& length : lengths) length /= content_.unit.metres;
     return lengths;
@@ -813,9 +820,11 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
       return degrees;
     }
     case Colouring::Moment:
-      return trajectory::brickMoments(content_.pairForces, poses);
+      return content_.panels ? content_.panels->tileMoments(time)
+                             : trajectory::brickMoments(content_.pairForces, poses);
     case Colouring::Energy:
-      return trajectory::brickElasticEnergies(content_.pairForces, poses);
+      return content_.panels ? content_.panels->tileEnergies(time)
+                             : trajectory::brickElasticEnergies(content_.pairForces, poses);
     default:
       return inUnits(trajectory::brickJointGaps(content_.pivots, poses));
   }
@@ -838,7 +847,7 @@ std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
   return colours;
 }
 
-std::vector<BrickColours> BrickPalette::colours(const Poses& poses) const {
+std::vector<BrickColours> BrickPalette::colours(const Poses& poses, double time) const {
   std::vector<BrickColours> colours;
   if (!scale_) {
     colours = colouring_ == Colouring::State ? stateColours(poses) : kinds_;
@@ -846,7 +855,7 @@ std::vector<BrickColours> BrickPalette::colours(const Poses& poses) const {
       colours[brick] = own_[brick].value_or(colours[brick]);
     }
   } else {
-    for (const double value : values(poses)) {
+    for (const double value : values(poses, time)) {
       colours.push_back(evenShades(colourAt(*scale_, shareOf(*scale_, value))));
     }
   }

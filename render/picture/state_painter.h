@@ -22,6 +22,10 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
+namespace kirireel::trajectory {
+struct PanelSheet;
+}
+
 namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
@@ -41,8 +45,8 @@ enum class Colouring {
   Displacement,  ///< distance from the start
   Rotation,      ///< angle from the start
   JointGap,      ///< largest gap of the brick's joints
-  Moment,        ///< largest moment of the springs at the brick's hinges
-  Energy,        ///< half of the energy of these springs
+  Moment,        ///< largest moment of the springs at the brick's hinges and folds
+  Energy,        ///< its part of the energy of these springs and of its bars
 };
 
 /// Ground under the bricks.
@@ -212,6 +216,8 @@ struct PictureContent {
   Poses start;                                     ///< one per brick
   std::vector<model::Pivot> pivots;                ///< of all joints
   model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
+  /// Tiles that stretch and bend, with their states; null without them and before the run.
+  std::shared_ptr<const trajectory::PanelSheet> panels;
   std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
   std::optional<double> groundHeight;  ///< z of the scene's ground, if it has one, metres
   std::vector<model::Tile> obstacles;  ///< faces of fixed obstacles, world axes
@@ -251,8 +257,9 @@ class BrickPalette {
   BrickPalette(const Look& look, const PictureContent& content);
 
   /// One entry per brick; empty if all bricks have the style's colours. `poses` has one pose per
-  /// brick. Fast relative to painting.
-  std::vector<BrickColours> colours(const Poses& poses) const;
+  /// brick. `time` of the poses in simulated seconds: poses of panels show neither energy nor
+  /// moments. Fast relative to painting.
+  std::vector<BrickColours> colours(const Poses& poses, double time = 0) const;
 
   /// The scale of the colours of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
@@ -262,7 +269,7 @@ class BrickPalette {
   Colouring colouring() const { return colouring_; }
 
  private:
-  std::vector<double> values(const Poses& poses) const;
+  std::vector<double> values(const Poses& poses, double time) const;
   std::vector<BrickColours> stateColours(const Poses& poses) const;
   void colourShapes();
   void colourTiles(const Look& look);

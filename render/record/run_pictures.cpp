@@ -134,6 +134,7 @@ picture::PictureContent contentOf(const trajectory::Subject& subject) {
 picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings) {
   picture::PictureContent content = contentOf(run.subject());
+  content.panels = run.end().panels;
   if (picture::needsView(settings.look)) chooseViewOf(run, settings.look, content);
   const bool fits = fitsEnds(run.subject().model, settings) &&
                     (!choosesCamera(settings) ||

@@ -4,7 +4,8 @@
 //     model       name, tiles, joints, has_target, size (m), tile_size (m)
 //     accuracy    gaps, errors, bounds, penetrations (m) and what the steps report
 //     elasticity  how many of each of pairForceKinds(), as springs; energy_start, energy_end (J),
-//                 moment_end (N m); null where no force acts between pairs
+//                 moment_end (N m); null where no force acts between pairs. Of tiles
+//                 that bend under grips also how many bars and folds: the energies are theirs
 //     at_target, shortfall, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
@@ -95,6 +96,7 @@ Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
   for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     json[kind.name.counted] = elasticity->count(kind.name.counted);
   }
+  for (const auto& [name, count] : elasticity->counts) json[name] = count;
   for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
     json[figure.name] = (*elasticity).*figure.member;
   }

@@ -253,7 +253,7 @@ class Verifier {
       compareAccuracy(stated, &run::Accuracy::rigidBound,
                       trajectory::rigidBound(subject.model.tiles, *subject.model.target));
     }
-    compareElasticity(summary, subject, first.poses, last.poses);
+    compareElasticity(summary, run, first.poses, last.poses);
     // A run that ended among the samples of an earlier process does not have these states.
     if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
     for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
@@ -268,26 +268,24 @@ class Verifier {
     }
   }
 
-  void compareElasticity(const Json& summary, const trajectory::Subject& subject,
+  void compareElasticity(const Json& summary, const trajectory::TrajectoryReader& run,
                          const Poses& start, const Poses& end) {
     const Json stated = summary.value("elasticity", Json());
-    const bool isElastic = !subject.pairForces.empty();
+    const model::PairForces& forces = run.subject().pairForces;
+    const auto& panels = run.end().panels;
+    const bool isElastic = !forces.empty() || panels;
     if (isElastic == stated.is_null()) {
       complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not agree");
     }
     if (!isElastic || stated.is_null()) return;
-    const Json& files = summary.at("files");
-    const bool isOfBars = !summary.at("settings").at("model").value("panels", Json()).is_null() &&
-                          std::ranges::find(files, output::kLoadCurve) != files.end();
-    const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
+    model::Elasticity found = model::elasticityOf(forces, start, end);
+    if (panels) trajectory::setElasticity(*panels, found);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not have all kinds.
       const std::string name = kind.name.counted;
       compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
-      // Under grips, bars of tiles that bend also store energy, which does not follow from poses.
-      if (isOfBars && std::string_view(figure.name).starts_with("energy")) continue;
       compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),
               found.*figure.member);
     }

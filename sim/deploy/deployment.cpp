@@ -256,8 +256,9 @@ void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result)
       model::lengthInTiles(grown, scene.model)));
 }
 
-/// Factor on the tolerance in the run that measures the error in time.
-constexpr double kFinerShare = 0.1;
+/// Factor on the tolerance in the run that measures the error in time. Coarse steps end at
+/// samples, so a tenth of the tolerance can give the same steps and no difference.
+constexpr double kFinerShare = 0.01;
 /// Samples within this time are simultaneous, seconds.
 constexpr double kSameSample = 1e-9;
 
@@ -291,8 +292,8 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
   return result;
 }
 
-/// Runs the scene twice, the second time with a tenth of its tolerance. The error in time is the
-/// largest distance of a vertex between both runs, over their common samples.
+/// Runs the scene twice, the second time with a hundredth of its tolerance. The error in time is
+/// the largest distance of a vertex between both runs, over their common samples.
 run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice& choice,
                                const run::AssembledState& nearest, const run::RunObservers& watch,
                                run::Checkpoints* checkpoints) {

@@ -568,6 +568,7 @@ class Follower {
     Equilibrium state;
     state.load = at.load;
     state.poses = sheet_.posesAt(at.q);
+    state.coordinates = at.q;
     state.energy = sheet_.energy(at.q);
     for (std::size_t g = 0; g < sheet_.grips(); ++g) {
       state.displacements.push_back(sheet_.displacement(g, at.q));

@@ -31,6 +31,7 @@ std::string toString(Turning turning);
 struct Equilibrium {
   double load = 0;                    ///< >= 0; 1 is the whole load
   Poses poses;                        ///< one per brick
+  Eigen::VectorXd coordinates;        ///< of the sheet, see LoadedSheet; empty in results of runs
   double energy = 0;                  ///< of the springs, joules
   std::vector<double> displacements;  ///< of each grip, see ElasticSheet; metres or radians
   std::vector<double> forces;         ///< of each grip, newtons or N m

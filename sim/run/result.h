@@ -105,8 +105,8 @@ struct DeploymentResult {
   std::string shortfall;
   double forbiddenOverlap = 0;  ///< overlap in `shortfall`, metres; 0 if there is none
   Accuracy accuracy;            ///< gaps, errors and overlaps, metres
-  /// Largest move of a vertex at any sample if the tolerance is divided by ten, tiles. Absent if
-  /// not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
+  /// Largest move of a vertex at any sample if the tolerance is divided by a hundred, tiles. Absent
+  /// if not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
   std::optional<double> timeError;
   DeployCost cost;                                ///< counted and in CPU seconds
   std::optional<model::Elasticity> elasticity;    ///< absent if no hinge has a spring

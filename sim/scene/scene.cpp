@@ -69,6 +69,7 @@ void scaleLengths(Scene& scene, double factor) {
     scene.hinges.neck->width *= factor;
     scene.hinges.neck->length *= factor;
   }
+  if (scene.hinges.ligament) scene.hinges.ligament->length *= factor;
   if (scene.hinges.panels) scene.hinges.panels->foldLength *= factor;
   for (TimelineEntry& entry : scene.timeline) {
     if (entry.when.kind == Trigger::Kind::ErrorBelow) entry.when.value *= factor;

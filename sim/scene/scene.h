@@ -85,6 +85,17 @@ struct HingeNeck {
   double poisson = 0.3;  ///< ratio, in [0, 0.5)
 };
 
+/// Ligaments of given stiffness at all corners, with the energy
+///   stretch (l - length)^2 / 2 + shear (length a)^2 / 2,
+/// l: distance of their ends, a: angle between the ligament and the mean turn of both tiles. The
+/// springs at their hinges have the stiffness against bending. B. Deng, J. R. Raney, K. Bertoldi,
+/// V. Tournat, Nonlinear waves in flexible mechanical metamaterials, J. Appl. Phys. 130, 2021.
+struct LigamentStiffness {
+  double stretch = 0;  ///< N/m, > 0
+  double shear = 0;    ///< N/m, > 0
+  double length = 0;   ///< metres, > 0
+};
+
 /// The material of tiles that stretch and bend, as thick as the bricks: see BarHingeSheet.
 struct PanelMaterial {
   double youngs = 0;      ///< modulus, Pa, > 0
@@ -98,6 +109,7 @@ struct HingeSettings {
   std::optional<HingeNeck> neck;  ///< gives the stiffness at corners
   /// Whether necks also stretch and shear; with grips only.
   bool areLigaments = false;
+  std::optional<LigamentStiffness> ligament;  ///< the same without a neck
   std::optional<PanelMaterial>
       panels;  ///< tiles stretch and bend: with grips, and in motion if they are split
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
@@ -109,6 +121,8 @@ struct HingeSettings {
   bool areGiven() const {
     return stiffness > 0 || neck || damping > 0 || !file.empty() || !own.empty();
   }
+  /// Whether ligaments replace joints.
+  bool hasLigaments() const { return areLigaments || ligament; }
   /// Whether any hinge may have a spring or a dashpot.
   bool areOn() const { return areGiven() || panels; }
 };
@@ -194,7 +208,7 @@ struct SolverSettings {
   /// Allowed error in time of one step, tiles (see Extrapolation); 0: fixed steps, of first
   /// order.
   double tolerance = 0;
-  /// Whether a run is repeated with a tenth of the tolerance to measure its error in time.
+  /// Whether a run is repeated with a hundredth of the tolerance to measure its error in time.
   bool measuresTimeError = false;
   std::optional<int> substeps;  ///< solver steps per time step; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep

@@ -797,7 +797,10 @@ Vector3 normalOf(const Scene& scene) {
 /// The neck at a joint as a ligament. Its middle is the joint, and it connects the two tiles.
 model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
                            const Scene& scene) {
-  const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
+  const std::optional<LigamentStiffness>& given = scene.hinges.ligament;
+  const HingeNeck neck =
+      given ? HingeNeck{.length = given->length}
+            : neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const Vector3 across =
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
@@ -808,8 +811,13 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
   ligament.start = neck.length * across.normalized();
   ligament.pointA = pivot.pointA - 0.5 * ligament.start;
   ligament.pointB = pivot.pointB + 0.5 * ligament.start;
-  model::setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
-                          ligament);
+  if (given) {
+    ligament.stretchStiffness = given->stretch;
+    ligament.shearStiffness = given->shear * given->length * given->length;
+  } else {
+    model::setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width,
+                            neck.length, ligament);
+  }
   return ligament;
 }
 
@@ -837,6 +845,10 @@ model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>
 /// tiles. Others are compliant if ligaments are requested.
 void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const Scene& scene,
              std::vector<model::Pivot>& pivots, std::vector<model::Ligament>& ligaments) {
+  if (scene.hinges.ligament) {
+    ligaments.push_back(ligamentAt(pivot, bricks, scene));
+    return;
+  }
   const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
@@ -894,8 +906,8 @@ void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties
   std::vector<model::Ligament> ligaments;
   for (const model::Pivot& pivot : model::makePivots(scene.model.joints, bricks)) {
     if (pivot.isUpper) continue;
-    const bool isNeck =
-        scene.hinges.neck && hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
+    const bool isNeck = (scene.hinges.neck || scene.hinges.ligament) &&
+                        hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
     if (isNeck) {
       addNeck(pivot, bricks, scene, ties.pivots, ligaments);
     } else {
@@ -917,7 +929,7 @@ Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
 // spatial.
 Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
-  if (!scene.hinges.areLigaments) {
+  if (!scene.hinges.hasLigaments()) {
     ties.pivots = model::makePivots(scene.model.joints, bricks);
     return ties;
   }

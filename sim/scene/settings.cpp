@@ -54,6 +54,9 @@ bool hasHingeSprings(const Scene& scene) {
 bool hasNecks(const Scene& scene) {
   return scene.hinges.neck.has_value();
 }
+bool hasNoNecks(const Scene& scene) {
+  return !hasNecks(scene);
+}
 bool pullsToCurve(const Scene& scene) {
   return scene.actuation.drive == Drive::Boundary;
 }
@@ -284,6 +287,18 @@ SettingGroup hingeSettings() {
            "necks stretch, shear and bend, instead of bending about exact joints; in the plane")
            .with(hasNecks, "`hinge_neck`"),
        special(
+           "ligament_stiffness", "STRETCH,SHEAR,LENGTH", "",
+           "ligaments of this stiffness (N/m, N/m) and length (metres) at all corners; "
+           "`hinge_stiffness` is their stiffness in bending; in the plane",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.hinges.ligament = parseLigament(typed);
+           },
+           [](const Scene& scene) {
+             return scene.hinges.ligament ? ligamentText(*scene.hinges.ligament) : "";
+           })
+           .with(hasHingeSprings, "`hinge_stiffness` or `hinge_file`")
+           .without(hasNoNecks, "`hinge_neck`"),
+       special(
            "panels", "E[,NU[,LENGTH]]", "",
            "elastic tiles: with [[grip]] they stretch and bend (bars and hinges), in motion they "
            "bend if `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and "
@@ -440,7 +455,7 @@ SettingGroup solverSettings() {
                .needsDynamics(kOtherSolver),
            flag<&Scene::solver, &SolverSettings::measuresTimeError>(
                "measure_time_error",
-               "run again with a tenth of the tolerance and report the difference")
+               "run again with a hundredth of the tolerance and report the difference")
                .with(hasTolerance, "`tolerance` above 0")
                .needsDynamics(kOtherSolver),
            number<&Scene::solver, &SolverSettings::timestep>(
@@ -640,6 +655,18 @@ HingeNeck parseNeck(const TypedValue& value) {
   return neck;
 }
 
+LigamentStiffness parseLigament(const TypedValue& value) {
+  const std::vector<std::string_view> parts = split(value.text, ',');
+  if (parts.size() != 3) {
+    throw valueError(
+        value, "stiffness of stretch and of shear in N/m, and a length, for example 120,1,0.1");
+  }
+  const auto part = [&](std::size_t k, const Range& range) {
+    return parseNumber({value.name, std::string(parts[k])}, range);
+  };
+  return {part(0, {1e-9, 1e15}), part(1, {1e-9, 1e15}), part(2, {1e-9, 1e6})};
+}
+
 PanelMaterial parsePanels(const TypedValue& value) {
   const std::vector<std::string_view> parts = split(value.text, ',');
   if (parts.empty() || parts.size() > 3) {
@@ -700,6 +727,11 @@ std::string neckText(const HingeNeck& neck) {
   const auto& [width, length, youngs, poisson] = neck;
   if (width == 0) return quotedText(fmt::format("{},{}", youngs, poisson));
   return quotedText(fmt::format("{},{},{},{}", width, length, youngs, poisson));
+}
+
+std::string ligamentText(const LigamentStiffness& ligament) {
+  const auto& [stretch, shear, length] = ligament;
+  return quotedText(fmt::format("{},{},{}", stretch, shear, length));
 }
 
 std::string panelsText(const PanelMaterial& panels) {

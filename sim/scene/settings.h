@@ -60,6 +60,9 @@ Vector3 parseGravity(const TypedValue& value);
 /// Poisson's ratio.
 HingeNeck parseNeck(const TypedValue& value);
 
+/// "120,1,0.1": stiffness of stretch and of shear, and length, each > 0.
+LigamentStiffness parseLigament(const TypedValue& value);
+
 /// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, > 0, Poisson's ratio and the length
 /// scale of folds, >= 0.
 PanelMaterial parsePanels(const TypedValue& value);
@@ -90,6 +93,8 @@ double numberReadAs(double requested, double guess, const std::function<double(d
 std::string vectorText(const Vector3& vector);
 /// A neck as parseNeck() reads it.
 std::string neckText(const HingeNeck& neck);
+/// Ligaments as parseLigament() reads them.
+std::string ligamentText(const LigamentStiffness& ligament);
 /// A material as parsePanels() reads it.
 std::string panelsText(const PanelMaterial& panels);
 

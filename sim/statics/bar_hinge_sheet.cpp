@@ -119,18 +119,32 @@ FoldPoints BarHingeSheet::pointsOf(const Fold& fold, const Vector& q) const {
   return points;
 }
 
+double BarHingeSheet::strainOf(const Bar& bar, const Vector& q) const {
+  return ((place(bar.nodeB, q) - place(bar.nodeA, q)).norm() - bar.rest) / bar.rest;
+}
+
 // E = sum k (l - l0)^2 / 2 over bars + sum k (angle - rest)^2 / 2 over folds, joules.
 double BarHingeSheet::energy(const Vector& q) const {
   double sum = 0;
-  for (const Bar& bar : model_.bars) {
-    const double stretch = (place(bar.nodeB, q) - place(bar.nodeA, q)).norm() - bar.rest;
-    sum += 0.5 * bar.stiffness * stretch * stretch;
-  }
-  for (const Fold& fold : model_.folds) {
-    const double turn = foldAngle(pointsOf(fold, q)) - fold.rest;
-    sum += 0.5 * fold.stiffness * turn * turn;
-  }
+  for (const Bar& bar : model_.bars) sum += bar.energy(strainOf(bar, q));
+  for (const Fold& fold : model_.folds) sum += fold.energy(foldAngle(pointsOf(fold, q)));
   return sum;
+}
+
+trajectory::PanelSheet BarHingeSheet::panels() const {
+  return {model_.tiles, model_.bars, model_.folds, {}};
+}
+
+// Strains and angles come from the coordinates, which have more digits than nodes far from the
+// origin.
+trajectory::PanelState BarHingeSheet::panelState(const Vector& q) const {
+  trajectory::PanelState state;
+  for (int node = 0; node < static_cast<int>(model_.nodes.size()); ++node) {
+    state.nodes.push_back(origin_ + place(node, q));
+  }
+  for (const Bar& bar : model_.bars) state.strains.push_back(strainOf(bar, q));
+  for (const Fold& fold : model_.folds) state.angles.push_back(foldAngle(pointsOf(fold, q)));
+  return state;
 }
 
 // The dead loads at load 1, in the coordinates q. The handles of a grip share its force of `amount`

@@ -8,6 +8,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/mechanics/load_path.h"
+#include "sim/trajectory/panels.h"
 
 namespace kirireel::statics {
 
@@ -32,21 +33,8 @@ Matrix12 foldBend(const FoldPoints& points);
 // The energy of a sheet in space with elastic, bending tiles, by bars and hinges. The edges of
 // triangles are bars. The sheet folds, or a tile bends, at their common edges.
 
-/// A bar between two nodes: stiffness (length - rest)^2 / 2.
-struct Bar {
-  int nodeA = 0;         ///< index >= 0
-  int nodeB = 0;         ///< index >= 0
-  double rest = 0;       ///< length without force, metres
-  double stiffness = 0;  ///< N/m
-};
-
-/// A linear torsional spring between two triangles: stiffness (angle - rest)^2 / 2, see
-/// foldAngle().
-struct Fold {
-  std::array<int, 4> nodes{};  ///< in the order of FoldPoints
-  double stiffness = 0;        ///< N m/rad
-  double rest = 0;             ///< radians
-};
+using trajectory::Bar;
+using trajectory::Fold;
 
 /// A move of, or a force on, parts of the sheet; see Grip.
 struct NodeGrip {
@@ -97,10 +85,16 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   double displacementSlope(std::size_t grip, const Vector& q, const Vector& along) const override;
   double force(std::size_t grip, double load, const Vector& multipliers) const override;
 
+  /// The parts of the sheet, without states.
+  trajectory::PanelSheet panels() const;
+  /// The nodes, strains and fold angles at coordinates, at time 0.
+  trajectory::PanelState panelState(const Vector& q) const;
+
  private:
   /// The position of a node from the origin, metres.
   Vector3 place(int node, const Vector& q) const { return scale_ * q.segment<3>(3 * node); }
   FoldPoints pointsOf(const Fold& fold, const Vector& q) const;
+  double strainOf(const Bar& bar, const Vector& q) const;
   void addRows();
 
   BarHingeModel model_;

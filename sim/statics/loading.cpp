@@ -282,6 +282,24 @@ run::GeometricPath playbackPath(const std::vector<model::Brick>& bricks,
   return result;
 }
 
+/// The time of a state in the playback, which takes so many seconds.
+double timeOf(const run::MechanismPath& path, std::size_t state, double seconds) {
+  return path.length() > 0 ? seconds * path.lengths[state] / path.length() : 0;
+}
+
+/// The equilibria of bars and hinges, at their times in the playback.
+std::shared_ptr<const trajectory::PanelSheet> panelsOf(const BarHingeSheet& sheet,
+                                                       const mechanics::LoadPath& loaded,
+                                                       const run::MechanismPath& path,
+                                                       double seconds) {
+  trajectory::PanelSheet panels = sheet.panels();
+  for (std::size_t k = 0; k < loaded.states.size(); ++k) {
+    panels.states.push_back(sheet.panelState(loaded.states[k].coordinates));
+    panels.states.back().time = timeOf(path, k, seconds);
+  }
+  return std::make_shared<const trajectory::PanelSheet>(std::move(panels));
+}
+
 /// Adds limit points and bifurcations as events, at their time in the playback.
 void noteTurnings(const mechanics::LoadCurve& curve, const run::MechanismPath& path, double seconds,
                   const LengthUnit& unit, run::DeploymentResult& result) {
@@ -290,7 +308,7 @@ void noteTurnings(const mechanics::LoadCurve& curve, const run::MechanismPath& p
   for (std::size_t k = 0; k < curve.states.size(); ++k) {
     const mechanics::Equilibrium& state = curve.states[k];
     if (state.turning == mechanics::Turning::None) continue;
-    const double time = path.length() > 0 ? seconds * path.lengths[k] / path.length() : 0;
+    const double time = timeOf(path, k, seconds);
     const double moved = state.displacements[curve.leading];
     events.push_back(
         {time,
@@ -364,10 +382,10 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const auto makeSheet = [&](const std::vector<GripOrder>& of) {
-    return scene.hinges.panels
-               ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), of)
-               : planarSheet(scene, bricks, ties, of);
+  const auto makeSheet =
+      [&](const std::vector<GripOrder>& of) -> std::unique_ptr<mechanics::LoadedSheet> {
+    if (!scene.hinges.panels) return planarSheet(scene, bricks, ties, of);
+    return makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), of);
   };
   requireAgreement(scene, grips, makeSheet);
   const std::unique_ptr<mechanics::LoadedSheet> sheet = makeSheet(grips);
@@ -385,17 +403,19 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
       run::playBack(scene, path, run::assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = mechanics::LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
-  if (!ties.pairForces.empty()) {
+  for (mechanics::Equilibrium& state : result.loadCurve->states) state.coordinates.resize(0);
+  const double seconds = std::min(scene.path.playTime, scene.stop.duration);
+  if (const auto* panels = dynamic_cast<const BarHingeSheet*>(sheet.get())) {
+    result.trajectory.panels = panelsOf(*panels, loaded, path.path, seconds);
+  }
+  if (!ties.pairForces.empty() || result.trajectory.panels) {
     result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
-    // Bars also store energy, which poses do not show.
-    if (scene.hinges.panels) {
-      result.elasticity->energyStart = loaded.states.front().energy;
-      result.elasticity->energyEnd = loaded.states.back().energy;
-    }
+  }
+  if (result.trajectory.panels) {
+    trajectory::setElasticity(*result.trajectory.panels, *result.elasticity);
   }
   result.atTarget.reset();
-  noteTurnings(*result.loadCurve, path.path, std::min(scene.path.playTime, scene.stop.duration),
-               scene.model.unit, result);
+  noteTurnings(*result.loadCurve, path.path, seconds, scene.model.unit, result);
   if (result.outcome == run::Outcome::Interrupted) return result;
   noteEnd(scene, bricks, loaded, grips[leading], result);
   return result;
@@ -572,7 +592,7 @@ class BarHingeMaker {
   }
 
   Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
-    Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
+    Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0, {left.tile, right.tile}};
     // Without a given rest angle, a fold is at rest at its start angle.
     fold.rest = foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
     return made_.folds.emplace_back(fold);
@@ -634,11 +654,11 @@ void requireOnlySprings(const model::PairForces& forces) {
 
 }  // namespace
 
-std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& scene,
-                                                          const std::vector<model::Brick>& bricks,
-                                                          const model::PairForces& pairForces,
-                                                          const std::vector<int>& pinned,
-                                                          const std::vector<GripOrder>& grips) {
+std::unique_ptr<BarHingeSheet> makeBarHingeSheet(const scene::Scene& scene,
+                                                 const std::vector<model::Brick>& bricks,
+                                                 const model::PairForces& pairForces,
+                                                 const std::vector<int>& pinned,
+                                                 const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
   requireOnlySprings(pairForces);
   BarHingeMaker maker(scene, bricks);

@@ -9,6 +9,7 @@
 #include "sim/model/hinge.h"
 #include "sim/run/result.h"
 #include "sim/scene/scene.h"
+#include "sim/statics/bar_hinge_sheet.h"
 
 namespace kirireel::statics {
 
@@ -38,10 +39,10 @@ struct GripOrder {
 /// stiffness and rest angle of their springs (hingeSprings()). Throws InputError for joints on both
 /// faces, fixed tiles, springs at hinges that are no common edge of two tiles, and grips that
 /// rotate.
-std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& scene,
-                                                          const std::vector<model::Brick>& bricks,
-                                                          const model::PairForces& pairForces,
-                                                          const std::vector<int>& pinned,
-                                                          const std::vector<GripOrder>& grips);
+std::unique_ptr<BarHingeSheet> makeBarHingeSheet(const scene::Scene& scene,
+                                                 const std::vector<model::Brick>& bricks,
+                                                 const model::PairForces& pairForces,
+                                                 const std::vector<int>& pinned,
+                                                 const std::vector<GripOrder>& grips);
 
 }  // namespace kirireel::statics

@@ -1,6 +1,7 @@
 /// Record of a deployment: its subject, and the poses of all bricks over time.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "sim/model/model.h"
 #include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/panels.h"
 
 namespace kirireel::trajectory {
 
@@ -183,6 +185,8 @@ struct TrajectoryEnd {
   std::vector<Event> events;              ///< in order of time
   std::vector<FigureState> figureStates;  ///< one per figure that a single state determines
   std::string findings;                   ///< results about the scene, as JSON; may be empty
+  /// Of tiles that stretch and bend under grips; null for other runs. It never changes.
+  std::shared_ptr<const PanelSheet> panels;
 };
 
 /// One run: samples equally spaced in time from 0, and one at the end.

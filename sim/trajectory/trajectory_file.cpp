@@ -316,6 +316,47 @@ void writeFigureStates(ArrayWriter& file, const std::vector<FigureState>& states
   writeArray(file, "figures/rotation", rotations, {states.size(), bricks, 4}, "1");
 }
 
+void writePanels(ArrayWriter& file, const PanelSheet& sheet) {
+  std::vector<int> vertexNodes, barNodes, foldNodes, foldTiles;
+  std::vector<double> lengths, barStiffness, foldStiffness, rests;
+  for (const std::vector<int>& nodes : sheet.tileNodes) {
+    vertexNodes.insert(vertexNodes.end(), nodes.begin(), nodes.end());
+  }
+  for (const Bar& bar : sheet.bars) {
+    barNodes.insert(barNodes.end(), {bar.nodeA, bar.nodeB});
+    lengths.push_back(bar.rest);
+    barStiffness.push_back(bar.stiffness);
+  }
+  for (const Fold& fold : sheet.folds) {
+    foldNodes.insert(foldNodes.end(), fold.nodes.begin(), fold.nodes.end());
+    foldTiles.insert(foldTiles.end(), fold.tiles.begin(), fold.tiles.end());
+    foldStiffness.push_back(fold.stiffness);
+    rests.push_back(fold.rest);
+  }
+  std::vector<double> times, nodes, strains, angles;
+  for (const PanelState& state : sheet.states) {
+    times.push_back(state.time);
+    for (const Vector3& node : state.nodes) append(nodes, node);
+    strains.insert(strains.end(), state.strains.begin(), state.strains.end());
+    angles.insert(angles.end(), state.angles.begin(), state.angles.end());
+  }
+  const std::size_t bars = sheet.bars.size(), folds = sheet.folds.size();
+  const std::size_t states = sheet.states.size();
+  file.addGroup(layout::kPanels);
+  file.write(layout::kVertexNodes, std::span<const int>(vertexNodes), {vertexNodes.size()});
+  file.write(layout::kBarNodes, std::span<const int>(barNodes), {bars, 2});
+  writeArray(file, layout::kBarLengths, lengths, {bars}, "m");
+  writeArray(file, layout::kBarStiffness, barStiffness, {bars}, "N/m");
+  file.write(layout::kFoldNodes, std::span<const int>(foldNodes), {folds, 4});
+  file.write(layout::kFoldTiles, std::span<const int>(foldTiles), {folds, 2});
+  writeArray(file, layout::kFoldStiffness, foldStiffness, {folds}, "N m/rad");
+  writeArray(file, layout::kFoldRests, rests, {folds}, "rad");
+  writeArray(file, layout::kPanelTimes, times, {states}, "s");
+  writeArray(file, layout::kPanelNodes, nodes, {states, nodes.size() / (3 * states), 3}, "m");
+  writeArray(file, layout::kBarStrains, strains, {states, bars}, "1");
+  writeArray(file, layout::kFoldAngles, angles, {states, folds}, "rad");
+}
+
 void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape,
                const char* unit) {
   file.addSeries(name, rowShape);
@@ -491,6 +532,7 @@ void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   ArrayWriter& file = internals_->file;
   writeEvents(file, end.events);
   writeFigureStates(file, end.figureStates, internals_->brickCount);
+  if (end.panels) writePanels(file, *end.panels);
   file.write("findings", {end.findings});
   // Before the file is renamed: a full disk is detected here.
   file.close();
@@ -520,6 +562,21 @@ using layout::kStepColumns;
 /// No brick farther away is drawn or meshed, metres. Runs end at a thousand model sizes, and models
 /// extend up to kMaxCoordinate.
 constexpr double kFarthest = 1e4 * model::kMaxCoordinate;
+
+/// All entries of an array that must have this shape and be finite.
+std::vector<double> finiteNumbers(const ArrayReader& file, const std::string& name,
+                                  const Shape& shape) {
+  const Shape found = file.shape(name);
+  if (found != shape) {
+    file.refuse(fmt::format("the array {} has {} entries instead of {}, or another shape", name,
+                            entryCount(found), entryCount(shape)));
+  }
+  std::vector<double> entries = file.doubles(name);
+  if (!std::ranges::all_of(entries, [](double entry) { return std::isfinite(entry); })) {
+    file.refuse(fmt::format("the array {} has a number that is not finite", name));
+  }
+  return entries;
+}
 
 /// Reads the subject of a trajectory. Each claim of the file is checked before it is used.
 class SubjectReader {
@@ -578,18 +635,8 @@ class SubjectReader {
     return texts.empty() ? "" : texts.front();
   }
 
-  /// All entries of an array that must have this shape and be finite.
   std::vector<double> numbers(const std::string& name, const Shape& shape) const {
-    const Shape found = file_.shape(name);
-    if (found != shape) {
-      file_.refuse(fmt::format("the array {} has {} entries instead of {}, or another shape", name,
-                               entryCount(found), entryCount(shape)));
-    }
-    std::vector<double> entries = file_.doubles(name);
-    if (!std::ranges::all_of(entries, [](double entry) { return std::isfinite(entry); })) {
-      file_.refuse(fmt::format("the array {} has a number that is not finite", name));
-    }
-    return entries;
+    return finiteNumbers(file_, name, shape);
   }
 
   /// An array of points, split into tiles.
@@ -857,6 +904,7 @@ struct TrajectoryReader::FileRun final : Internals {
     if (file.has("energy")) readMechanics();
     readSteps();
     readFigureStates();
+    if (file.has(layout::kPanels)) readPanels();
     const std::vector<std::string> texts = file.texts("findings");
     if (!texts.empty()) end.findings = texts.front();
   }
@@ -1004,6 +1052,77 @@ struct TrajectoryReader::FileRun final : Internals {
     for (std::size_t k = 0; k < names.size(); ++k) {
       end.figureStates.push_back({names[k], stateTimes[k], poses("figures", k)});
     }
+  }
+
+  /// Indices in an array, checked to be in [0, count): `width` for each of its rows.
+  std::vector<int> indices(const char* name, std::size_t width, std::size_t count) const {
+    std::vector<int> found = file.integers(name);
+    const bool areThere = std::ranges::all_of(
+        found, [&](int index) { return index >= 0 && static_cast<std::size_t>(index) < count; });
+    if (found.size() % width != 0 || !areThere) {
+      file.refuse(
+          fmt::format("{} does not have {} indices below {} in each row", name, width, count));
+    }
+    return found;
+  }
+
+  void readPanels() {
+    PanelSheet sheet;
+    const Shape shape = file.shape(layout::kPanelNodes);
+    if (shape.size() != 3 || shape[0] == 0 || shape[1] == 0 || shape[2] != 3) {
+      file.refuse(fmt::format("the array {} does not have three numbers for each node",
+                              layout::kPanelNodes));
+    }
+    const std::size_t states = shape[0], nodes = shape[1];
+    const std::vector<int> vertexNodes = indices(layout::kVertexNodes, 1, nodes);
+    auto next = vertexNodes.begin();
+    for (const model::Tile& tile : subject.model.tiles) {
+      const auto size = static_cast<std::ptrdiff_t>(tile.vertices.size());
+      if (vertexNodes.end() - next < size) {
+        file.refuse(fmt::format("{} does not have a node for each vertex", layout::kVertexNodes));
+      }
+      sheet.tileNodes.emplace_back(next, next + size);
+      next += size;
+    }
+    const std::vector<int> barNodes = indices(layout::kBarNodes, 2, nodes);
+    const std::vector<int> foldNodes = indices(layout::kFoldNodes, 4, nodes);
+    const std::vector<int> foldTiles = indices(layout::kFoldTiles, 2, subject.model.tiles.size());
+    const std::size_t bars = barNodes.size() / 2, folds = foldTiles.size() / 2;
+    if (foldNodes.size() != 4 * folds) file.refuse("the folds in panels differ in number");
+    const auto numbers = [&](const char* name, const Shape& of) {
+      return finiteNumbers(file, name, of);
+    };
+    const std::vector<double> lengths = numbers(layout::kBarLengths, {bars});
+    const std::vector<double> barStiffness = numbers(layout::kBarStiffness, {bars});
+    for (std::size_t b = 0; b < bars; ++b) {
+      sheet.bars.push_back({barNodes[2 * b], barNodes[2 * b + 1], lengths[b], barStiffness[b]});
+    }
+    const std::vector<double> foldStiffness = numbers(layout::kFoldStiffness, {folds});
+    const std::vector<double> rests = numbers(layout::kFoldRests, {folds});
+    for (std::size_t f = 0; f < folds; ++f) {
+      const int* at = &foldNodes[4 * f];
+      sheet.folds.push_back({{at[0], at[1], at[2], at[3]},
+                             foldStiffness[f],
+                             rests[f],
+                             {foldTiles[2 * f], foldTiles[2 * f + 1]}});
+    }
+    const std::vector<double> stateTimes = numbers(layout::kPanelTimes, {states});
+    if (!std::ranges::is_sorted(stateTimes)) file.refuse("the times of the panels decrease");
+    const std::vector<double> places = numbers(layout::kPanelNodes, {states, nodes, 3});
+    const std::vector<double> strains = numbers(layout::kBarStrains, {states, bars});
+    const std::vector<double> angles = numbers(layout::kFoldAngles, {states, folds});
+    const auto row = [](const std::vector<double>& entries, std::size_t k, std::size_t width) {
+      const auto first = entries.begin() + static_cast<std::ptrdiff_t>(k * width);
+      return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(width));
+    };
+    for (std::size_t k = 0; k < states; ++k) {
+      PanelState state{stateTimes[k], {}, row(strains, k, bars), row(angles, k, folds)};
+      for (std::size_t n = 0; n < nodes; ++n) {
+        state.nodes.emplace_back(&places[3 * (k * nodes + n)]);
+      }
+      sheet.states.push_back(std::move(state));
+    }
+    end.panels = std::make_shared<const PanelSheet>(std::move(sheet));
   }
 
   /// The poses in a row of a group's position and rotation; "" is the file itself.

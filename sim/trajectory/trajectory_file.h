@@ -59,11 +59,29 @@
 ///     curves/NAME             samples (x joints)   quantities requested for the run, with unit and
 ///                                              description as attributes; see makeCurveMeter()
 ///     load_curve/             equilibria under grips, see render/record/load_curve_file.h
+///     panels/                 tiles that stretch and bend under grips, as bars and hinges; see
+///                             PanelSheet. States are those of load_curve
+///       vertex_node           vertices         node of each vertex of model/vertices
+///       bar_nodes             bars x 2
+///       bar_length            bars             m, without force
+///       bar_stiffness         bars             N/m
+///       fold_nodes            folds x 4        the ends of the edge, the third node of the left
+///                                              triangle, that of the right one (from above)
+///       fold_tiles            folds x 2        left and right; equal if a tile bends there
+///       fold_stiffness        folds            N m/rad
+///       fold_rest             folds            rad
+///       time                  states           s, at which the samples pass the state
+///       nodes                 states x nodes x 3   m, world axes
+///       bar_strain            states x bars    1; length over length without force, minus 1
+///       fold_angle            states x folds   rad, (-pi, pi]; 0 flat, > 0 a valley
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
 ///     figures/position        figures x bricks x 3   m, that state, as above
 ///     figures/rotation        figures x bricks x 4
 ///     findings                results about the scene, JSON (one text)
+///
+/// The energy of a state of panels is the sum of bar_stiffness (bar_strain bar_length)^2 / 2 over
+/// bars and of fold_stiffness (fold_angle - fold_rest)^2 / 2 over folds.
 ///
 /// energy, forces and holds exist only for runs with dynamics by the direct solver.
 #pragma once
@@ -226,6 +244,21 @@ inline constexpr const char* kHoldTimes = "holds/time";
 inline constexpr const char* kHoldKinds = "holds/kind";
 /// The tile and the object that it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
+
+/// Tiles that stretch and bend under grips, see PanelSheet.
+inline constexpr const char* kPanels = "panels";
+inline constexpr const char* kVertexNodes = "panels/vertex_node";       ///< PanelSheet::tileNodes
+inline constexpr const char* kBarNodes = "panels/bar_nodes";            ///< ends of each bar
+inline constexpr const char* kBarLengths = "panels/bar_length";         ///< Bar::rest
+inline constexpr const char* kBarStiffness = "panels/bar_stiffness";    ///< Bar::stiffness
+inline constexpr const char* kFoldNodes = "panels/fold_nodes";          ///< Fold::nodes
+inline constexpr const char* kFoldTiles = "panels/fold_tiles";          ///< Fold::tiles
+inline constexpr const char* kFoldStiffness = "panels/fold_stiffness";  ///< Fold::stiffness
+inline constexpr const char* kFoldRests = "panels/fold_rest";           ///< Fold::rest
+inline constexpr const char* kPanelTimes = "panels/time";               ///< PanelState::time
+inline constexpr const char* kPanelNodes = "panels/nodes";              ///< PanelState::nodes
+inline constexpr const char* kBarStrains = "panels/bar_strain";         ///< PanelState::strains
+inline constexpr const char* kFoldAngles = "panels/fold_angle";         ///< PanelState::angles
 
 }  // namespace kirireel::trajectory::layout
 

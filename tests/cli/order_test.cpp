@@ -95,6 +95,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--hinge-stiffness", {"0.25", "1e6"}},
       {"--hinge-neck", {"0.1,0.3,2e9", "0.01,1,1e6,0.4", "2e9", "1e6,0.4"}},
       {"--ligaments", {}, {"--hinge-neck", "0.1,0.3,2e9"}},
+      {"--ligament-stiffness", {"120,1,0.1", "1e6,3,0.02"}, {"--hinge-stiffness", "0.25"}},
       {"--panels", {"2e9", "2e9,0.4,0.05"}},
       {"--hinge-rest", {"33.3", "-7"}, {"--hinge-stiffness", "1"}},
       {"--hinge-damping", {"0.25", "1e6"}},

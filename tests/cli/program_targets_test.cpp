@@ -84,7 +84,7 @@ TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
   EXPECT_TRUE(summary_["accuracy"]["time_error"].is_null());
   const ProgramEnd measured =
       simulate(model, {"--path", "dynamic", "--measure-time-error", "--verbose"});
-  EXPECT_THAT(measured.out, HasSubstr("; a tenth of it moves vertices by at most "));
+  EXPECT_THAT(measured.out, HasSubstr("; a hundredth of it moves vertices by at most "));
   EXPECT_GT(summary_["accuracy"]["time_error"].get<double>(), 0);
 }
 

@@ -1,10 +1,12 @@
 #include <cmath>
+#include <memory>
 
 #include <gtest/gtest.h>
 
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/panels.h"
 #include "tests/render/picture/colours.h"
 #include "tests/support/pair_forces.h"
 #include "tests/support/refusal.h"
@@ -112,6 +114,32 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
             picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
   EXPECT_EQ(energy.colours(parted)[2].top,
             picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
+}
+
+// Poses do not show what panels hold: their states do, at their times.
+TEST(BrickPalette, ShowsWhatPanelsHold) {
+  picture::PictureContent content = tessellationContent();
+  trajectory::PanelSheet sheet;
+  for (const model::Brick& brick : content.bricks) {
+    sheet.tileNodes.emplace_back(brick.bottom.size(), 0);
+  }
+  sheet.tileNodes[2] = {0, 1, 2, 3};
+  sheet.bars = {{1, 2, 1, 8}};
+  sheet.folds = {{{0, 1, 2, 3}, 2, 0, {0, 3}}};
+  sheet.states = {{0, {}, {0}, {0}}, {1, {}, {0.5}, {0.5}}};
+  content.panels = std::make_shared<const trajectory::PanelSheet>(sheet);
+  const auto full = picture::mapColour(picture::ColourMap::Viridis, 1, kWhite);
+  const auto none = picture::mapColour(picture::ColourMap::Viridis, 0, kWhite);
+  const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
+  EXPECT_NEAR(energy.scale()->most, 1, 1e-12);  // 8 * 0.5^2 / 2; a fold's half is 0.125
+  EXPECT_EQ(energy.colours(content.start, 1)[2].top, full);
+  EXPECT_EQ(energy.colours(content.start, 0)[2].top, none);
+  EXPECT_EQ(energy.colours(content.start, 0.5)[2].top,
+            picture::mapColour(picture::ColourMap::Viridis, 0.5, kWhite));
+  const picture::BrickPalette moment(coloured(picture::Colouring::Moment), content);
+  EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
+  EXPECT_EQ(moment.colours(content.start, 1)[3].top, full);
+  EXPECT_EQ(moment.colours(content.start, 1)[2].top, none);
 }
 
 TEST(BrickPalette, MomentsNeedSpringsAtHinges) {

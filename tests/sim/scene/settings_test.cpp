@@ -22,6 +22,7 @@ std::string otherText(const scene::Setting& setting) {
   if (!setting.words.empty()) return setting.words.back();
   if (setting.key == "gravity") return "1,-2,3";
   if (setting.key == "hinge_neck") return "0.1,0.3,2e9,0.25";
+  if (setting.key == "ligament_stiffness") return "120,1.5,0.1";
   if (setting.key == "hinge_file") return "hinges.txt";
   if (setting.isSwitch) return "";
   return setting.unit == "COUNT" || setting.unit == "NUMBER" ? "7" : "0.75";

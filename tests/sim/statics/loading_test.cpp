@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/model/lattice.h"
+#include "sim/model/stiffness.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
@@ -108,6 +109,34 @@ TEST(Loading, NecksGiveWhereTheyAreLigaments) {
   EXPECT_GT(ligaments.accuracy.jointOpeningMax, 1e-6);
   EXPECT_LT(pinned.accuracy.jointGapMax, 1e-11);
   EXPECT_EQ(pinned.accuracy.jointOpeningMax, 0);
+}
+
+// The stiffness of a neck, given by numbers: a Timoshenko beam with k_l = E w t / L and 1 / (k_s
+// L^2) = L / (12 E I) + 1 / (5/6 G w t L).
+TEST(Loading, LigamentsOfGivenStiffnessAreThoseOfTheirNecks) {
+  scene::Scene neck = turnedUnit();
+  neck.hinges.stiffness = 0;
+  neck.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
+  neck.hinges.areLigaments = true;
+  const run::DeploymentResult a = deploy::deploy(neck, 0.5, nullptr);
+  const double t = neck.brick.thickness, bending = 1e6 * t * std::pow(0.02, 3) / 12;
+  const double shear = 1 / (0.1 / (12 * bending) + 1 / (5.0 / 6 * 1e6 / 2.6 * 0.02 * t * 0.1));
+  for (const double unit : {1.0, 1e-3}) {
+    scene::Scene given = turnedUnit();
+    given.hinges.stiffness = model::neckStiffness(1e6, t, 0.02, 0.1);
+    given.hinges.ligament =
+        scene::LigamentStiffness{1e6 * 0.02 * t / 0.1, shear / (0.1 * 0.1), 0.1};
+    // Lengths of a scene in another unit, and back.
+    scene::scaleLengths(given, unit);
+    EXPECT_NEAR(given.hinges.ligament->length, 0.1 * unit, 1e-15);
+    scene::scaleLengths(given, 1 / unit);
+    const run::DeploymentResult b = deploy::deploy(given, 0.5, nullptr);
+    const mechanics::Equilibrium& one = a.loadCurve->states.back();
+    const mechanics::Equilibrium& other = b.loadCurve->states.back();
+    EXPECT_NEAR(other.energy / one.energy, 1, 1e-12);        // measured 0
+    EXPECT_NEAR(other.forces[3] / one.forces[3], 1, 1e-12);  // measured 0
+    EXPECT_EQ(b.elasticity->count("ligaments"), 4);
+  }
 }
 
 TEST(Loading, NecksGiveInMotionToo) {
@@ -304,6 +333,57 @@ TEST(Loading, LiftsATileAboutAFold) {
   const double angle = std::asin(0.6);
   EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
   EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
+  // The elasticity is that of bars and folds, not that of rigid tiles in their best fit.
+  ASSERT_TRUE(run.elasticity.has_value());
+  EXPECT_EQ(run.elasticity->count("bars"), 9);
+  EXPECT_EQ(run.elasticity->count("folds"), 3);
+  EXPECT_NEAR(run.elasticity->energyEnd, last.energy, 1e-12 * last.energy);
+  EXPECT_NEAR(run.elasticity->momentEnd, 0.5 * angle, 1e-5);
+}
+
+// Every state of the panels has the energy that the solver found. Fold angles and strains follow
+// from the nodes.
+TEST(Loading, StoresTheStatesOfPanels) {
+  const run::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
+  ASSERT_TRUE(run.trajectory.panels);
+  const trajectory::PanelSheet& panels = *run.trajectory.panels;
+  const std::vector<mechanics::Equilibrium>& states = run.loadCurve->states;
+  ASSERT_EQ(panels.states.size(), states.size());
+  EXPECT_EQ(panels.tileNodes[0][1], panels.tileNodes[1][0]);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const trajectory::PanelState& state = panels.states[k];
+    EXPECT_NEAR(panels.energy(state), states[k].energy, 1e-14);  // measured 0
+    for (std::size_t b = 0; b < panels.bars.size(); ++b) {
+      const auto& [nodeA, nodeB, rest, stiffness] = panels.bars[b];
+      const double length = (state.nodes[static_cast<std::size_t>(nodeB)] -
+                             state.nodes[static_cast<std::size_t>(nodeA)])
+                                .norm();
+      EXPECT_NEAR(state.strains[b], length / rest - 1, 1e-15);  // measured 1.1e-16
+    }
+  }
+  EXPECT_EQ(panels.states.back().time, run.trajectory.samples.back().time);
+}
+
+// Bars between held nodes need no springs at folds, and still hold energy.
+TEST(Loading, CountsTheEnergyOfBarsWithoutFolds) {
+  scene::Scene scene = liftedFold();
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+  scene.model.joints.clear();
+  scene.hinges.stiffness = 0;
+  scene::GripSetting held, pulled;
+  held.tiles = {0};
+  held.corners = {{0, 0}, {0, 1}};
+  held.x = held.y = held.z = 0;
+  pulled.tiles = {0};
+  pulled.corners = {{0, 2}};
+  pulled.y = 0.1;
+  pulled.x = pulled.z = 0;
+  scene.grips = {held, pulled};
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  ASSERT_TRUE(run.elasticity.has_value());
+  EXPECT_EQ(run.elasticity->count("bars"), 3);
+  EXPECT_GT(run.elasticity->energyEnd, 0);
+  EXPECT_NEAR(run.elasticity->energyEnd / run.loadCurve->states.back().energy, 1, 1e-12);
 }
 
 // Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.

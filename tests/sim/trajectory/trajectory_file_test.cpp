@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <memory>
 #include <random>
 
 #include <fmt/format.h>
@@ -141,6 +143,30 @@ void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& 
   expectSameValue(model::ligamentsOf(a.pairForces), model::ligamentsOf(b.pairForces), "ligaments");
 }
 
+/// Panels of random bits, with a node for each vertex.
+trajectory::PanelSheet randomPanels(const std::vector<model::Tile>& tiles) {
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  trajectory::PanelSheet sheet;
+  int nodes = 0;
+  for (const model::Tile& tile : tiles) {
+    std::vector<int>& numbers = sheet.tileNodes.emplace_back();
+    for (std::size_t k = 0; k < tile.vertices.size(); ++k) numbers.push_back(nodes++);
+  }
+  sheet.bars = {{0, 1, uniform(generator), uniform(generator)}, {1, 2, 1e-300, 1e300}};
+  sheet.folds = {{{0, 1, 2, 3}, uniform(generator), uniform(generator), {2, 5}}};
+  for (const double time : {0.0, 0.5, 0.5}) {
+    trajectory::PanelState& state = sheet.states.emplace_back();
+    state.time = time;
+    for (int n = 0; n < nodes; ++n) {
+      state.nodes.emplace_back(uniform(generator), uniform(generator), 1e-300);
+    }
+    state.strains = {uniform(generator), uniform(generator)};
+    state.angles = {uniform(generator)};
+  }
+  return sheet;
+}
+
 std::string refusalOf(const std::filesystem::path& file) {
   return test::refusalOf<InputError>([&] { trajectory::readTrajectory(file); });
 }
@@ -169,6 +195,37 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   expectSameValue(read.figureStates, written.figureStates, "figures");
   ASSERT_EQ(read.samples.size(), 7U);
   for (std::size_t k = 0; k < 7; ++k) expectSame(read.samples[k], written.samples[k]);
+}
+
+TEST(TrajectoryFile, KeepsEveryBitOfPanels) {
+  const TemporaryFolder folder;
+  trajectory::Trajectory written = randomTrajectory(3);
+  const trajectory::PanelSheet a = randomPanels(written.model.tiles);
+  written.panels = std::make_shared<const trajectory::PanelSheet>(a);
+  trajectory::writeTrajectory(written, folder / "run.h5");
+  const trajectory::TrajectoryReader reader(folder / "run.h5");
+  ASSERT_TRUE(reader.end().panels);
+  const trajectory::PanelSheet& b = *reader.end().panels;
+  EXPECT_EQ(a.tileNodes, b.tileNodes);
+  ASSERT_EQ(a.bars.size(), b.bars.size());
+  for (std::size_t k = 0; k < a.bars.size(); ++k) {
+    EXPECT_EQ(a.bars[k].nodeA, b.bars[k].nodeA);
+    EXPECT_EQ(a.bars[k].nodeB, b.bars[k].nodeB);
+    EXPECT_EQ(a.bars[k].rest, b.bars[k].rest);
+    EXPECT_EQ(a.bars[k].stiffness, b.bars[k].stiffness);
+  }
+  ASSERT_EQ(b.folds.size(), 1u);
+  EXPECT_EQ(a.folds[0].nodes, b.folds[0].nodes);
+  EXPECT_EQ(a.folds[0].tiles, b.folds[0].tiles);
+  EXPECT_EQ(a.folds[0].stiffness, b.folds[0].stiffness);
+  EXPECT_EQ(a.folds[0].rest, b.folds[0].rest);
+  ASSERT_EQ(a.states.size(), b.states.size());
+  for (std::size_t k = 0; k < a.states.size(); ++k) {
+    EXPECT_EQ(a.states[k].time, b.states[k].time);
+    EXPECT_EQ(a.states[k].nodes, b.states[k].nodes);
+    EXPECT_EQ(a.states[k].strains, b.states[k].strains);
+    EXPECT_EQ(a.states[k].angles, b.states[k].angles);
+  }
 }
 
 TEST(TrajectoryFile, RefusesOtherVersions) {
@@ -347,6 +404,27 @@ TEST(TrajectoryFile, RefusesContradictions) {
       "error: a brick in position is more than 1e+19 m away" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + advice);
+}
+
+TEST(TrajectoryFile, RefusesPanelsThatContradict) {
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
+  const auto refusal = [](const std::function<void(trajectory::PanelSheet&)>& change) {
+    return refusalAfter([&](trajectory::Trajectory& t) {
+      trajectory::PanelSheet sheet = randomPanels(t.model.tiles);
+      change(sheet);
+      t.panels = std::make_shared<const trajectory::PanelSheet>(std::move(sheet));
+    });
+  };
+  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.tileNodes.pop_back(); }),
+            "error: panels/vertex_node does not have a node for each vertex" + advice);
+  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.bars[1].nodeB = 64; }),
+            "error: panels/bar_nodes does not have 2 indices below 64 in each row" + advice);
+  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.folds[0].tiles[1] = -1; }),
+            "error: panels/fold_tiles does not have 2 indices below 16 in each row" + advice);
+  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.states[1].time = -1; }),
+            "error: the times of the panels decrease" + advice);
+  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.states[2].strains[0] = NAN; }),
+            "error: the array panels/bar_strain has a number that is not finite" + advice);
 }
 
 TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
