@@ -42,8 +42,10 @@ constexpr double kMarginEms = 0.5;
 /// Radius of a dot, and of the ring around it; em.
 constexpr double kDotEms = 0.3;
 constexpr double kRingEms = 0.42;
-/// The largest share of the picture's width and height.
-constexpr double kMostShare = 2.0 / 3;
+/// The largest share of the frame's width and height. The highest strip, with text of 9 pixels or
+/// 3.4% of the height, leaves enough room for the inset.
+constexpr double kLargestWidth = 0.8;
+constexpr double kLargestHeight = 0.55;
 /// Opacity of the background.
 constexpr double kOpacity = 0.85;
 /// Number of states for the choice of the corner.
@@ -74,11 +76,11 @@ std::array<picture::PageBox, 4> cornersOf(picture::FrameSize size, int em) {
            {left, lower, width, height}}};
 }
 
-// The strip below the pictures is low enough for the rest of the height.
 void requireRoom(const PictureSettings& settings) {
   const auto [width, height] = settings.size;
   const double em = emOf(settings);
-  const double leastWidth = kWidthEms * em / kMostShare, leastHeight = kHeightEms * em / kMostShare;
+  const double leastWidth = kWidthEms * em / kLargestWidth,
+               leastHeight = kHeightEms * em / kLargestHeight;
   if (width >= leastWidth && height >= leastHeight) return;
   throw InputError(fmt::format(
       "error: {} needs pictures of at least {:.0f} x {:.0f} pixels, here they have {} x {}; give a "

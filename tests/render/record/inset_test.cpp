@@ -205,10 +205,18 @@ TEST_F(InsetTest, RefusesFramesThatAreTooSmall) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
   settings_.size = {240, 180};
   EXPECT_EQ(refusal(run),
-            "error: --inset needs pictures of at least 270 x 189 pixels, here they have 240 x 180; "
+            "error: --inset needs pictures of at least 225 x 230 pixels, here they have 240 x 180; "
             "give a larger --size or remove --inset");
-  settings_.size = {270, 189};
+  settings_.size = {225, 230};
   EXPECT_EQ(refusal(run), "accepted");
+  // With the highest strip.
+  settings_.captions = picture::CaptionParts{.time = true};
+  settings_.progressBar = settings_.scaleBar = true;
+  settings_.look.colouring = picture::Colouring::Rotation;
+  const record::FramePainter painter(run, settings_);
+  const picture::PageBox box = record::Inset(run, settings_, painter.setup()).box();
+  EXPECT_LE(box.lower(), painter.setup().pictureSize().height);
+  EXPECT_GE(box.upper, 0);
 }
 
 /// Text and lines have a contrast of 4.5 to the background.
