@@ -36,6 +36,9 @@ bool hasGrid(const OptionContext& context) {
 bool hasFrames(const OptionContext& context) {
   return context.pictures->paintsFrames();
 }
+bool hasFramesOrMoments(const OptionContext& context) {
+  return hasFrames(context) || !context.pictures->chosenFrames.empty();
+}
 bool hasVideo(const OptionContext& context) {
   return context.pictures->video;
 }
@@ -54,6 +57,10 @@ bool isFigure(const OptionContext& context) {
 }
 bool isOneRun(const OptionContext& context) {
   return context.runs == 1;
+}
+/// Several runs have a video only if it was named.
+bool isOneRunOrFilm(const OptionContext& context) {
+  return isOneRun(context) || hasFrames(context);
 }
 bool hasOutlines(const OptionContext& context) {
   return context.pictures->look.outlines;
@@ -160,6 +167,7 @@ constexpr const char* kOneRun = "with one run";
 constexpr const char* kRuns = "Give kirireel render several runs";
 constexpr const char* kSeveral = "in a figure of several runs";
 constexpr const char* kSingle = "Render the runs one by one";
+constexpr const char* kFilm = "Add --video both.mp4";
 constexpr const char* kNoElements = "without finite elements";
 constexpr const char* kElements = "Export inp or msh";
 constexpr const char* kNoDeck = "without a deck";
@@ -190,19 +198,18 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--dpi", hasPng, "without a PNG file", kGrid},
     {"--same-view", isFigure, kOneRun, kRuns},
     {"--same-scale", isFigure, kOneRun, kRuns},
-    {"--no-snapshots", isOneRun, kSeveral, kSingle},
-    {"--frames", isOneRun, kSeveral, kSingle},
+    {"--no-snapshots", isOneRunOrFilm, kSeveral, kFilm},
     {"--frames-at", isOneRun, kSeveral, kSingle},
-    {"--fps", isOneRun, kSeveral, kSingle},
-    {"--video", isOneRun, kSeveral, kSingle},
-    {"--length", isOneRun, kSeveral, kSingle},
-    {"--hold", isOneRun, kSeveral, kSingle},
-    {"--title", isOneRun, kSeveral, kSingle},
-    {"--subtitle", isOneRun, kSeveral, kSingle},
-    {"--progress-bar", isOneRun, kSeveral, kSingle},
-    {"--crf", isOneRun, kSeveral, kSingle},
-    {"--preset", isOneRun, kSeveral, kSingle},
-    {"--encoder", isOneRun, kSeveral, kSingle},
+    {"--fps", isOneRunOrFilm, kSeveral, kFilm},
+    {"--length", isOneRunOrFilm, kSeveral, kFilm},
+    {"--hold", isOneRunOrFilm, kSeveral, kFilm},
+    {"--title", isOneRunOrFilm, kSeveral, kFilm},
+    {"--subtitle", isOneRunOrFilm, kSeveral, kFilm},
+    {"--progress-bar", isOneRunOrFilm, kSeveral, kFilm},
+    {"--inset", isOneRunOrFilm, kSeveral, kFilm},
+    {"--crf", isOneRunOrFilm, kSeveral, kFilm},
+    {"--preset", isOneRunOrFilm, kSeveral, kFilm},
+    {"--encoder", isOneRunOrFilm, kSeveral, kFilm},
     {"--video", hasVideo, "without a video", "Remove --no-video"},
     {"--crf", hasVideo, "without a video", "Remove --no-video"},
     {"--encoder", hasVideo, "without a video", "Remove --no-video"},
@@ -213,6 +220,7 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--title", hasFrames, kNoFrames, kFrames},
     {"--subtitle", hasFrames, kNoFrames, kFrames},
     {"--progress-bar", hasFrames, kNoFrames, kFrames},
+    {"--inset", hasFramesOrMoments, kNoFrames, kFrames},
     {"--transparent", mayBeTransparent, "in a video of this format, which is opaque",
      "Use .webm, .gif, .apng, .mkv or .mov, or --frames with --no-video"},
     {"--colour-map", showsMeasureOrPage, kNoMeasure, kMeasure},

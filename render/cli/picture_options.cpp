@@ -318,7 +318,8 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
   group
-      .values("--trail", "TILE,VERTEX", "path of this vertex until each picture, as a line",
+      .values("--trail", "TILE,VERTEX",
+              "path of this vertex until each picture, as a line, dashed where bricks hide it",
               [&look](const scene::TypedValue& typed) {
                 const auto corner = parseIndices(typed, 2, "tile, vertex, as in 3,0");
                 look.trails.push_back({corner[0], corner[1]});
@@ -533,6 +534,12 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
       .serializedAs([&] { return scene::quotedText(settings.subtitle); });
   group.flag("--progress-bar", settings.progressBar,
              "a bar under the frames that fills with the motion");
+  group
+      .value("--inset", "CURVE", "none",
+             "a curve in a corner of the frames, with a dot at their time: target_error, radius, "
+             "theta, ..., as in kirireel curves --curves",
+             [&](const scene::TypedValue& typed) { settings.inset = typed.text; })
+      .serializedAs([&] { return scene::quotedText(settings.inset); });
   group
       .value("--crf", "NUMBER", "18 H.264, 24 VP9", "quality, 0 is best, to 51 (H.264) or 63 (VP9)",
              [&](const scene::TypedValue& typed) {

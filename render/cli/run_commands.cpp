@@ -1,6 +1,6 @@
 // Paints a recorded run again from the poses in trajectory.h5. It does not simulate, so another
 // camera, size or colour costs only the painting. Several trajectories make one grid with a row for
-// each.
+// each, and a video with the runs side by side if one is named.
 #include "render/cli/run_commands.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   command
       ->add_option("TRAJECTORY", order.trajectories,
                    "a trajectory.h5 of record or simulate, or its folder; several give one grid "
-                   "with a row of states each")
+                   "with a row of states each, and with --video a video with all side by side")
       ->type_name("")
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
@@ -45,7 +45,8 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       "  kirireel render out/tessellation_4x4 --view iso --out out/again\n"
       "  kirireel render out/tessellation_4x4 --video slow.gif --fps 25 --speed 0.5\n"
       "  kirireel render out/cylinder out/cap --grid 1x4 --width 180mm --font-size 7pt --out "
-      "figure");
+      "figure\n"
+      "  kirireel render out/cylinder out/cap --video both.mp4 --no-snapshots --out both");
   return command;
 }
 
@@ -59,30 +60,29 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: a figure of several runs needs its own folder; choose it with --out");
   }
+  const std::set<std::string> given = givenOptions(command);
+  // The video of several runs has to be named.
+  if (order.trajectories.size() > 1 && !given.contains("--video")) order.settings.video = false;
   requireEffect(
-      {.command = &command, .pictures = &order.settings, .runs = order.trajectories.size()},
-      givenOptions(command));
+      {.command = &command, .pictures = &order.settings, .runs = order.trajectories.size()}, given);
 }
 
 int carryOut(const RenderOrder& order) {
   noteSignals();
   record::PictureSettings settings = order.settings;
-  // A figure has no video, so there is no progress to show.
-  if (order.trajectories.size() > 1) {
-    fmt::print("{}",
-               describePictures(settings, record::renderFigure(order.trajectories, settings)));
-    return kExitDone;
-  }
   const std::filesystem::path& trajectory = order.trajectories.front();
   if (settings.folder.empty()) settings.folder = trajectory.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
   record::PictureReport report;
   {
     ProgressLine line;
-    report = record::render(trajectory, settings, [&line](const record::Progress& progress) {
+    const record::ProgressObserver observer = [&line](const record::Progress& progress) {
       line.show(progress);
       return takeInterrupt();
-    });
+    };
+    report = order.trajectories.size() > 1
+                 ? record::renderSeveral(order.trajectories, settings, observer)
+                 : record::render(trajectory, settings, observer);
   }
   fmt::print("{}", describePictures(settings, report));
   return report.stoppedAt ? kExitInterrupted : kExitDone;

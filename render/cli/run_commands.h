@@ -22,7 +22,8 @@ namespace kirireel::cli {
 /// Recorded runs to paint again, with settings. completeOrder() replaces each folder by its
 /// trajectory file.
 struct RenderOrder {
-  std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row per run
+  /// Several: one grid with a row per run, and a video with the runs side by side.
+  std::vector<std::filesystem::path> trajectories;
   record::PictureSettings settings;                 ///< folder is empty if --out was not given
 };
 

@@ -572,6 +572,8 @@ class PngCanvas : public CairoCanvas {
   explicit PngCanvas(const PageSettings& settings);
 
   std::string finish() override;
+  /// The pixels drawn so far. Throws OutputError.
+  Frame frame() const;
 
  private:
   PageSettings settings_;
@@ -584,6 +586,11 @@ PngCanvas::PngCanvas(const PageSettings& settings) : settings_(settings) {
 }
 
 std::string PngCanvas::finish() {
+  return pngBytes(frame(),
+                  {.dotsPerInch = settings_.pixelsPerInch, .description = settings_.description});
+}
+
+Frame PngCanvas::frame() const {
   cairo_surface_flush(internals_->surface);
   requireDrawn(internals_->surface, "picture");
   const std::uint8_t* rows = cairo_image_surface_get_data(internals_->surface);
@@ -596,8 +603,7 @@ std::string PngCanvas::finish() {
       frame.set(x, y, straightColour(pixel));
     }
   }
-  return pngBytes(frame,
-                  {.dotsPerInch = settings_.pixelsPerInch, .description = settings_.description});
+  return frame;
 }
 
 }  // namespace
@@ -620,6 +626,12 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
       break;
   }
   return makePngCanvas(settings);
+}
+
+Frame drawnPage(const PageSettings& settings, const std::function<void(Canvas&)>& draw) {
+  PngCanvas canvas(settings);
+  draw(canvas);
+  return canvas.frame();
 }
 
 // ------------------------------------------------------------------------------------------------

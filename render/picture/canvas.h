@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -41,7 +42,7 @@ struct OutlineStyle {
 struct PageSettings {
   FrameSize size;             ///< in its own unit, the pixels of a picture of the same layout
   double pixelsPerInch = 96;  ///< > 0
-  Colour background = {255, 255, 255};  ///< of the whole page, opaque
+  Colour background = {255, 255, 255};  ///< of the whole page, opaque in files
   OutlineStyle outlines;                ///< of parts without their own
   std::string fontFamily;               ///< of all text
   std::string description;              ///< author and source, one line
@@ -141,6 +142,10 @@ std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings);
 
 /// A page of any format. The settings' size must be valid, see requireValidSize().
 std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings);
+
+/// The pixels of a page that `draw` draws on. Its background may be transparent. Throws OutputError
+/// if there is too little memory.
+Frame drawnPage(const PageSettings& settings, const std::function<void(Canvas&)>& draw);
 
 // ------------------------------------------------------------------------------------------------
 // Sketches on pages, hidden surfaces removed.

@@ -55,6 +55,15 @@ Frame makeFrame(FrameSize size, Colour colour, Frame storage = {});
 /// Copies source into target with its top left corner at (x, y). It must fit.
 void pasteFrame(Frame& target, const Frame& source, int x, int y);
 
+/// The colour of a pixel under another one: `cover` in [0, 1] is the covered share of the pixel.
+Colour blended(Colour under, Colour over, double cover = 1);
+
+/// Blends source over target with its top left corner at (x, y). It must fit.
+void blendFrame(Frame& target, const Frame& source, int x, int y);
+
+/// Blends a disc over a picture. Lengths are pixels from the upper left. Parts outside are clipped.
+void blendDisc(Frame& target, double x, double y, double radius, Colour colour);
+
 /// Whether every pixel has alpha 255. Checks all pixels.
 bool isOpaque(const Frame& frame);
 

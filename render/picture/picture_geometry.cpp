@@ -220,17 +220,35 @@ void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour 
   }
 }
 
-/// Points nearer than a width to the previous drawn one are left out, except the last.
+/// Dashes over everything in the part of a longer line that begins `start` from its first point.
+/// They keep their places when the line grows. Half a width longer inside a dash, as above.
+void drawDashes(const Ribbon& ribbon, double start, double length, double width, Colour colour,
+                PictureGeometry& geometry) {
+  const double period = 2 * kDashWidths * width;
+  for (double dash = period * std::floor(start / period); dash < start + length; dash += period) {
+    const double begin = dash - start, end = begin + 0.5 * period;
+    if (end <= 0) continue;
+    geometry.overlay.push_back(appendFacet(
+        geometry, ribbon.part(std::max(begin, -0.5 * width), std::min(end, length + 0.5 * width)),
+        colour));
+  }
+}
+
+/// Lines with dashes in their hidden parts. Points nearer than a width to the previous drawn one
+/// are left out, except the last.
 void drawTrails(const std::vector<std::vector<Vector3>>& trails, double width, Colour colour,
                 const Camera& camera, PictureGeometry& geometry) {
   for (const std::vector<Vector3>& trail : trails) {
     checkInterruption();
+    double start = 0;
     for (std::size_t k = 1, from = 0; k < trail.size(); ++k) {
       const double length = (trail[k] - trail[from]).norm();
       if (length < width && (k + 1 < trail.size() || length == 0)) continue;
       if (const auto ribbon = ribbonOf(trail[from], trail[k], width, camera)) {
         drawVisibleLine(*ribbon, length, width, colour, geometry);
+        drawDashes(*ribbon, start, length, width, colour, geometry);
       }
+      start += length;
       from = k;
     }
   }

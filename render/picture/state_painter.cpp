@@ -408,9 +408,10 @@ Frame StatePainter::paint(const ShownState& state, const StripText& text, Frame 
 
 // ------------------------------------------------------------------------------------------------
 // The strip is below the picture and reduces its height, so the frame keeps its size. From the top:
-// a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the progress bar
-// (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller if the longest caption
-// would not fit. It is computed once, so text does not change its size in a video.
+// a line with a name (1.5 em), a line with the caption (1.5 em), a line with scales (1.8 em, more
+// with ticks), the progress bar (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels,
+// smaller if the longest caption would not fit. It is computed once, so text does not change its
+// size in a video.
 
 namespace {
 
@@ -443,12 +444,15 @@ Colour between(Colour from, Colour to, double share) {
           mix(from.alpha, to.alpha)};
 }
 
-/// Text size at which the widest caption fits.
-int textSize(FrameSize whole, const std::string& longest) {
+/// Text size at which the widest line fits.
+int textSize(FrameSize whole, std::span<const std::string> lines) {
   const int requested = std::max(kLeastText, rounded(kTextShare * whole.height));
-  if (longest.empty()) return requested;
-  const double width = LabelWriter(requested).width(longest);
-  const double fitting = requested * std::min(1.0, kUsedWidth * whole.width / width);
+  const LabelWriter writer(requested);
+  double fitting = requested;
+  for (const std::string& line : lines) {
+    if (line.empty()) continue;
+    fitting = std::min(fitting, requested * kUsedWidth * whole.width / writer.width(line));
+  }
   return std::max(kLeastText, static_cast<int>(fitting));
 }
 
@@ -456,17 +460,21 @@ int textSize(FrameSize whole, const std::string& longest) {
 
 Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
     : whole_(whole), parts_(parts), background_(style.background), text_(style.text) {
-  const bool hasCaption = !parts.longestCaption.empty();
+  const bool hasName = !parts.name.empty(), hasCaption = !parts.longestCaption.empty();
   const bool hasScales = scalesEms() > 0;
-  if (!hasCaption && !hasScales && !parts.progressBar) return;
-  em_ = textSize(whole, parts.longestCaption);
-  height_ = rounded(em_ * ((hasCaption ? kStripLineEms : 0) + scalesEms() +
-                           (parts.progressBar ? kProgressEms : 0)));
+  if (!hasName && !hasCaption && !hasScales && !parts.progressBar) return;
+  em_ = textSize(whole, std::array{parts.name, parts.longestName, parts.longestCaption});
+  height_ = rounded(em_ * ((hasName ? kStripLineEms : 0) + (hasCaption ? kStripLineEms : 0) +
+                           scalesEms() + (parts.progressBar ? kProgressEms : 0)));
   height_ = std::min(height_, whole.height - 1);
   if (hasScales) scales_.emplace(em_, text_);
-  if (!hasCaption) return;
+  if (!hasName && !hasCaption) return;
   writer_.emplace(em_);
-  captionLeft_ = std::max(0, (whole.width - writer_->width(parts.longestCaption)) / 2);
+  const auto leftOf = [this](const std::string& line) {
+    return std::max(0, (whole_.width - writer_->width(line)) / 2);
+  };
+  nameLeft_ = leftOf(parts.name);
+  captionLeft_ = leftOf(parts.longestCaption);
 }
 
 /// Height of the line of scales, ems.
@@ -483,12 +491,13 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   const Frame strip = makeFrame({whole_.width, height_}, background_);
   picture.pixels.insert(picture.pixels.end(), strip.pixels.begin(), strip.pixels.end());
   picture.size = whole_;
-  if (writer_) {
-    // At the same position in every frame, so letters do not jump.
-    writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
-                  text_);
+  const auto write = [&](const std::string& line, int left) {
+    writer_->draw(picture, line, left, upper + rounded(kLineBaselineEms * em_), text_);
     upper += rounded(kStripLineEms * em_);
-  }
+  };
+  if (!parts_.name.empty()) write(parts_.name, nameLeft_);
+  // At the same position in every frame, so letters do not jump.
+  if (!parts_.longestCaption.empty()) write(text.caption, captionLeft_);
   if (scales_) {
     drawScales(picture, upper, colours, legend, scale);
     upper += rounded(scalesEms() * em_);

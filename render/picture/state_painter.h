@@ -152,6 +152,8 @@ struct Look {
 /// Parts of the strip of all frames of a video. Constant for a video, since they determine the
 /// height of the picture above.
 struct StripParts {
+  std::string name;            ///< above everything else, UTF-8; empty: none
+  std::string longestName;     ///< the widest one of pictures side by side; `name` by default
   std::string longestCaption;  ///< a caption with the maximum width; empty: no captions
   bool progressBar = false;    ///< a bar that fills from left to right
   bool scaleBar = false;       ///< a length; requires the same scale in the whole picture
@@ -195,6 +197,7 @@ class Strip {
   Colour text_;
   int em_ = 0;      ///< of all text, pixels
   int height_ = 0;  ///< pixels
+  int nameLeft_ = 0;
   int captionLeft_ = 0;
   std::optional<LabelWriter> writer_;  ///< absent if there is no text
   std::optional<ScaleDrawer> scales_;

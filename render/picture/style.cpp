@@ -272,6 +272,14 @@ Colour readableText(Colour text, Colour background) {
   return contrastOf(kBlack, background) > contrastOf(kWhite, background) ? kBlack : kWhite;
 }
 
+Colour readableHue(Colour colour, Colour background) {
+  constexpr double kRounding = 1.01;  // of bytes, in contrast
+  if (contrastOf(colour, background) >= kTextContrast) return colour;
+  const double light = luminance(background) + 0.05;
+  const double dark = light / (kRounding * kTextContrast) - 0.05;
+  return withLuminance(colour, dark >= 0 ? dark : light * kRounding * kTextContrast - 0.05);
+}
+
 Colour mapColour(ColourMap map, double share, Colour background) {
   double least = 100, most = 0;
   for (const auto& [red, green, blue] : scaleOf(map)) {

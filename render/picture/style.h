@@ -144,6 +144,9 @@ double contrastOf(Colour a, Colour b);
 /// colour.
 Colour readableText(Colour text, Colour background);
 
+/// The same hue, darker or brighter if its contrast to the background is less than 4.5.
+Colour readableHue(Colour colour, Colour background);
+
 /// The colour of a kind, `kind` >= 0: seven hues that colour-blind readers can distinguish,
 /// repeated for further kinds.
 Colour kindColour(int kind);

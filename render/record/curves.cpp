@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <map>
+#include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -181,16 +181,17 @@ std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<d
   return table;
 }
 
-std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
-                                                 const std::vector<std::string>& names) {
-  if (names.empty()) return curves.groups;
+std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::CurveGroup>& groups,
+                                                 const std::vector<std::string>& names,
+                                                 const char* option) {
+  if (names.empty()) return groups;
   std::vector<trajectory::CurveGroup> selected;
   std::vector<std::string> known;
   for (const std::string& name : names) {
     const std::string requestedName = name == "theta" ? withoutUnit(kOpening) : name;
     const std::size_t before = selected.size();
     known.clear();
-    for (const trajectory::CurveGroup& group : curves.groups) {
+    for (const trajectory::CurveGroup& group : groups) {
       known.push_back(slugOf(group.name));
       if (known.back() == requestedName) selected.push_back(group);
       if (known.back() == requestedName) break;
@@ -202,8 +203,9 @@ std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& cu
       }
     }
     if (selected.size() > before) continue;
-    throw InputError(fmt::format("error: --curves: there is no curve '{}'; give some of {}, theta",
-                                 name, fmt::join(known, ", ")));
+    if (std::ranges::find(known, withoutUnit(kOpening)) != known.end()) known.emplace_back("theta");
+    throw InputError(fmt::format("error: {}: there is no curve '{}'; give some of {}", option, name,
+                                 fmt::join(known, ", ")));
   }
   return selected;
 }
@@ -260,10 +262,40 @@ std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& cu
   std::vector<std::string> names = settings.selected;
   if (hasLoadCurve) std::erase(names, kLoadCurves);
   if (names.empty() && !settings.selected.empty()) return {};
-  return selectCurves(curves, names);
+  return selectCurves(curves.groups, names);
+}
+
+/// Whether a diagram shows a line for the curve.
+bool canBePlotted(const trajectory::Curve& curve, bool isLogarithmic) {
+  return std::ranges::any_of(curve.values, [isLogarithmic](double value) {
+    return std::isfinite(value) && (!isLogarithmic || value > 0);
+  });
+}
+
+/// The fraction of the motion at each sample, as in a video at an even pace: 0 at the start, 1 at
+/// the end.
+std::vector<double> progressOf(const trajectory::TrajectoryReader& run) {
+  const MotionCurve motion = motionOf(run);
+  std::vector<double> progress;
+  for (const double time : run.times()) progress.push_back(motion.shareAt(time));
+  return progress;
 }
 
 }  // namespace
+
+PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
+                        CurvesAgainst against, const char* option) {
+  trajectory::RunCurves curves = trajectory::curvesOf(run);
+  for (trajectory::CurveGroup& group : curves.groups) {
+    std::erase_if(group.curves, [&group](const trajectory::Curve& curve) {
+      return !canBePlotted(curve, group.isLogarithmic);
+    });
+  }
+  std::erase_if(curves.groups,
+                [](const trajectory::CurveGroup& group) { return group.curves.empty(); });
+  return {"", selectCurves(curves.groups, {name}, option),
+          abscissaOf(curves, progressOf(run), against)};
+}
 
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,
@@ -274,11 +306,7 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
   std::vector<trajectory::CurveGroup> first;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const trajectory::RunCurves curves = trajectory::curvesOf(*runs[k].reader);
-    // The fraction of the motion at a time, as in a video at an even pace: 0 at the start, 1 at the
-    // end.
-    const MotionCurve motion = motionOf(*runs[k].reader);
-    std::vector<double> progress;
-    for (const double time : curves.times) progress.push_back(motion.shareAt(time));
+    const std::vector<double> progress = progressOf(*runs[k].reader);
     if (observer) observer(k, curves, progress);
     for (PlottedRun& load : selectedLoadCurves(runs[k], settings)) {
       plotted.push_back(std::move(load));
@@ -351,6 +379,9 @@ namespace {
 constexpr picture::Colour kText = {30, 30, 30};
 constexpr picture::Colour kFrame = {120, 126, 134};
 constexpr picture::Colour kGrid = {226, 229, 233};
+/// Shares of the text's colour in frames and grids on other backgrounds than white.
+constexpr double kFrameShare = 0.6;
+constexpr double kGridShare = 0.15;
 /// Colours of a diagram's lines in turn, distinguishable in grey and for colour-blind readers.
 constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26},  {61, 139, 95},
                                       {148, 62, 130}, {120, 100, 20}, {70, 70, 76}};
@@ -454,87 +485,126 @@ std::vector<picture::Canvas::Points> dashesOf(const picture::Canvas::Points& lin
   return dashes;
 }
 
+/// Colours of diagrams on a background.
+struct PlotColours {
+  picture::Colour text = kText;
+  picture::Colour frame = kFrame;
+  picture::Colour grid = kGrid;
+  picture::Colour background;
+
+  explicit PlotColours(picture::Colour page) : background(page) {
+    background.alpha = 255;
+    if (background == picture::PageSettings().background) return;
+    text = picture::readableText(kText, background);
+    frame = picture::mixed(background, text, kFrameShare);
+    grid = picture::mixed(background, text, kGridShare);
+  }
+
+  /// Of the line with this number, and of its name.
+  picture::Colour line(std::size_t number) const {
+    return picture::readableHue(kLines[number % std::size(kLines)], background);
+  }
+};
+
+/// The axes of a diagram in its box.
+struct DiagramAxes {
+  picture::Axis across;
+  picture::Axis up;
+  picture::PageBox box;
+
+  /// Pixels from two fractions of the box.
+  Eigen::Vector2d place(double acrossShare, double upShare) const {
+    return {box.left + acrossShare * box.width, box.lower() - upShare * box.height};
+  }
+
+  /// The place of a sample; absent if it is not drawn.
+  std::optional<Eigen::Vector2d> pointOf(const PlotLine& line, std::size_t sample) const {
+    const double value = line.values[sample], at = line.across[sample];
+    if (!std::isfinite(at) || !std::isfinite(value)) return std::nullopt;
+    if (up.isLogarithmic && value <= 0) return std::nullopt;
+    return place(across.shareOf(at), up.shareOf(value));
+  }
+};
+
+/// Curves begin and end at the borders.
+picture::Axis makeAcrossAxis(const std::vector<double>& values) {
+  picture::Axis axis = picture::makeAxis(values, kTicksAcross);
+  const auto [least, largest] = std::ranges::minmax_element(values);
+  if (*least < *largest) {
+    axis.low = *least;
+    axis.high = *largest;
+  }
+  return axis;
+}
+
+/// All curves of a diagram share one axis; missing values are omitted.
+picture::Axis makeUpAxis(const Diagram& diagram) {
+  std::vector<double> values;
+  for (const PlotLine& line : diagram.lines) {
+    std::ranges::copy_if(line.values, std::back_inserter(values),
+                         [](double value) { return std::isfinite(value); });
+  }
+  return diagram.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
+                               : picture::makeAxis(values, kTicksUp);
+}
+
+/// Diagrams with the same title of the abscissa share its axis.
+DiagramAxes axesOf(const Diagram& diagram, const std::vector<PlottedRun>& runs,
+                   const picture::PageBox& box) {
+  std::vector<double> values;
+  for (const PlottedRun& run : runs) {
+    if (run.abscissa.title != diagram.across) continue;
+    std::ranges::copy_if(run.abscissa.values, std::back_inserter(values),
+                         [](double value) { return std::isfinite(value); });
+  }
+  return {makeAcrossAxis(values), makeUpAxis(diagram), box};
+}
+
 /// Draws diagrams of one figure. Lengths are in em of its text.
 class Plotter {
  public:
-  Plotter(picture::Canvas& canvas, int em, const std::vector<PlottedRun>& runs)
-      : canvas_(canvas), em_(em), writer_(em) {
-    std::map<std::string, std::vector<double>> values;
-    for (const PlottedRun& run : runs) {
-      std::ranges::copy_if(run.abscissa.values, std::back_inserter(values[run.abscissa.title]),
-                           [](double value) { return std::isfinite(value); });
-    }
-    for (const auto& [title, across] : values) axes_[title] = makeAcrossAxis(across);
-  }
+  Plotter(picture::Canvas& canvas, int em, picture::Colour background)
+      : canvas_(canvas), em_(em), colours_(background), writer_(em) {}
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
-  void draw(const Diagram& diagram, const picture::PageBox& box) {
-    const picture::Axis up = axisOf(diagram);
-    const picture::Axis& across = axes_.at(diagram.across);
-    drawGrid(across, up, box);
+  void draw(const Diagram& diagram, const DiagramAxes& axes) {
+    drawGrid(axes);
     for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
-      canvas_.lines(linesOf(diagram.lines[k], across, up, box), 0.13 * em_,
-                    kLines[k % std::size(kLines)]);
+      canvas_.lines(linesOf(diagram.lines[k], axes), 0.13 * em_, colours_.line(k));
     }
-    drawTitle(diagram, box);
-    const double middle = box.left + 0.5 * box.width;
-    write(diagram.across, middle - 0.5 * width(diagram.across), box.lower() + 2.5 * em_, kText);
+    drawTitle(diagram, axes);
+    const double middle = axes.box.left + 0.5 * axes.box.width;
+    write(diagram.across, middle - 0.5 * width(diagram.across), axes.box.lower() + 2.5 * em_,
+          colours_.text);
   }
 
  private:
-  /// Curves begin and end at the borders.
-  static picture::Axis makeAcrossAxis(const std::vector<double>& values) {
-    picture::Axis axis = picture::makeAxis(values, kTicksAcross);
-    const auto [least, largest] = std::ranges::minmax_element(values);
-    if (*least < *largest) {
-      axis.low = *least;
-      axis.high = *largest;
-    }
-    return axis;
-  }
-
-  /// All curves of a diagram share one axis; missing values are omitted.
-  static picture::Axis axisOf(const Diagram& diagram) {
-    std::vector<double> values;
-    for (const PlotLine& line : diagram.lines) {
-      std::ranges::copy_if(line.values, std::back_inserter(values),
-                           [](double value) { return std::isfinite(value); });
-    }
-    return diagram.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
-                                 : picture::makeAxis(values, kTicksUp);
-  }
-
-  /// Pixels from two fractions of the box.
-  Eigen::Vector2d place(double across, double up, const picture::PageBox& box) const {
-    return {box.left + across * box.width, box.lower() - up * box.height};
-  }
-
   /// Ticks and numbers of both axes, and the two axes themselves.
-  void drawGrid(const picture::Axis& across, const picture::Axis& up, const picture::PageBox& box) {
+  void drawGrid(const DiagramAxes& axes) {
+    const auto& [across, up, box] = axes;
     std::vector<picture::Canvas::Points> grid;
     for (std::size_t k = 0; k < up.ticks.size(); ++k) {
       const double share = up.shareOf(up.ticks[k]);
-      grid.push_back({place(0, share, box), place(1, share, box)});
+      grid.push_back({axes.place(0, share), axes.place(1, share)});
       write(up.texts[k], box.left - 0.5 * em_ - width(up.texts[k]),
-            place(0, share, box).y() + 0.35 * em_, kText);
+            axes.place(0, share).y() + 0.35 * em_, colours_.text);
     }
     for (std::size_t k = 0; k < across.ticks.size(); ++k) {
       const double share = across.shareOf(across.ticks[k]);
       // The axis was cut to the curves' ends, so its first and last ticks may lie beyond it.
       if (share < -1e-9 || share > 1 + 1e-9) continue;
-      grid.push_back({place(share, 0, box), place(share, 1, box)});
-      write(across.texts[k], place(share, 0, box).x() - 0.5 * width(across.texts[k]),
-            box.lower() + 1.25 * em_, kText);
+      grid.push_back({axes.place(share, 0), axes.place(share, 1)});
+      write(across.texts[k], axes.place(share, 0).x() - 0.5 * width(across.texts[k]),
+            box.lower() + 1.25 * em_, colours_.text);
     }
-    canvas_.lines(grid, 0.06 * em_, kGrid);
-    canvas_.lines({{place(0, 1, box), place(0, 0, box), place(1, 0, box)}}, 0.08 * em_, kFrame);
+    canvas_.lines(grid, 0.06 * em_, colours_.grid);
+    canvas_.lines({{axes.place(0, 1), axes.place(0, 0), axes.place(1, 0)}}, 0.08 * em_,
+                  colours_.frame);
   }
 
   /// A line for each sequence of samples with values, and the dashes of dashed lines.
   std::vector<picture::Canvas::Points> linesOf(const PlotLine& line,
-                                               const picture::Axis& acrossAxis,
-                                               const picture::Axis& up,
-                                               const picture::PageBox& box) const {
+                                               const DiagramAxes& axes) const {
     std::vector<picture::Canvas::Points> lines, dashes;
     picture::Canvas::Points points;
     bool isDashed = false;
@@ -550,18 +620,15 @@ class Plotter {
       points.clear();
     };
     for (std::size_t k = 0; k < line.values.size(); ++k) {
-      const double value = line.values[k], across = line.across[k];
-      const bool isShown =
-          std::isfinite(across) && std::isfinite(value) && (!up.isLogarithmic || value > 0);
-      if (!isShown) {
+      const std::optional<Eigen::Vector2d> point = axes.pointOf(line, k);
+      if (!point) {
         endLine();
         continue;
       }
-      points.push_back(place(acrossAxis.shareOf(across), up.shareOf(value), box));
+      points.push_back(*point);
       if (line.isDashedAfter(k) == isDashed) continue;
-      const Eigen::Vector2d at = points.back();
       endLine();
-      points = {at};
+      points = {*point};
       isDashed = line.isDashedAfter(k);
     }
     endLine();
@@ -571,30 +638,78 @@ class Plotter {
 
   /// Draws the diagram's name and unit on the left and the curves' names in their colours on the
   /// right. If they do not fit, the names are inside the diagram, one below the other.
-  void drawTitle(const Diagram& diagram, const picture::PageBox& box) {
+  void drawTitle(const Diagram& diagram, const DiagramAxes& axes) {
+    const picture::PageBox& box = axes.box;
     const double baseline = box.upper - 0.6 * em_;
     const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
     const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "");
-    write(title, box.left, baseline, kText);
+    write(title, box.left, baseline, colours_.text);
     if (diagram.lines.size() < 2) return;
     double needed = width(title);
     for (const PlotLine& line : diagram.lines) needed += em_ + width(line.name);
-    const bool isBelow = needed > box.width;
+    if (needed > box.width) return drawNames(diagram, axes);
     double right = box.right();
     // Names end at the right border in the order of the curves, so they are drawn from the last
     // one.
     for (std::size_t k = diagram.lines.size(); k-- > 0;) {
       const std::string& name = diagram.lines[k].name;
-      const picture::Colour colour = kLines[k % std::size(kLines)];
-      if (isBelow) {
-        const double y = box.upper + (1.2 + 1.25 * static_cast<double>(k)) * em_;
-        write(name, box.right() - 0.5 * em_ - width(name), y, colour);
-        continue;
-      }
       right -= width(name);
-      write(name, right, baseline, colour);
+      write(name, right, baseline, colours_.line(k));
       right -= em_;
     }
+  }
+
+  /// In the corner of the diagram where the lines are shortest: upper right, upper left, lower
+  /// right or lower left.
+  void drawNames(const Diagram& diagram, const DiagramAxes& axes) {
+    const picture::PageBox& box = axes.box;
+    const auto count = static_cast<double>(diagram.lines.size());
+    picture::PageBox names{0, 0, 0, (1.25 * count + 0.5) * em_};
+    for (const PlotLine& line : diagram.lines)
+      names.width = std::max(names.width, width(line.name));
+    names.width += em_;
+    const double lefts[] = {box.right() - names.width, box.left};
+    const double uppers[] = {box.upper, box.lower() - names.height};
+    double shortest = std::numeric_limits<double>::infinity();
+    bool isRight = true;
+    for (const double upper : uppers) {
+      for (const double left : lefts) {
+        const double length = lengthIn({left, upper, names.width, names.height}, diagram, axes);
+        if (length >= shortest) continue;
+        shortest = length;
+        names.left = left;
+        names.upper = upper;
+        isRight = left == lefts[0];
+      }
+    }
+    for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
+      const std::string& name = diagram.lines[k].name;
+      const double inner = isRight ? names.width - 0.5 * em_ - width(name) : 0.5 * em_;
+      write(name, names.left + inner, names.upper + (1.2 + 1.25 * static_cast<double>(k)) * em_,
+            colours_.line(k));
+    }
+  }
+
+  /// Length of all lines in a part of a diagram, pixels. Pieces of up to a quarter of an em count
+  /// where they begin.
+  double lengthIn(const picture::PageBox& part, const Diagram& diagram,
+                  const DiagramAxes& axes) const {
+    double length = 0;
+    for (const PlotLine& line : diagram.lines) {
+      for (const picture::Canvas::Points& points : linesOf(line, axes)) {
+        for (std::size_t k = 1; k < points.size(); ++k) {
+          const Eigen::Vector2d whole = points[k] - points[k - 1];
+          const double pieces = std::max(1.0, std::ceil(whole.norm() / (0.25 * em_)));
+          for (double j = 0; j < pieces; ++j) {
+            const Eigen::Vector2d at = points[k - 1] + j / pieces * whole;
+            const bool isIn = at.x() > part.left && at.x() < part.right() && at.y() > part.upper &&
+                              at.y() < part.lower();
+            if (isIn) length += whole.norm() / pieces;
+          }
+        }
+      }
+    }
+    return length;
   }
 
   double width(const std::string& text) const { return writer_.width(text); }
@@ -605,8 +720,8 @@ class Plotter {
 
   picture::Canvas& canvas_;
   int em_;
+  PlotColours colours_;
   picture::LabelWriter writer_;
-  std::map<std::string, picture::Axis> axes_;  ///< by the title of the abscissa
 };
 
 /// The places of the diagrams of a figure.
@@ -637,8 +752,8 @@ PlotLayout layOut(int diagrams, int em, double width, int columns) {
 
 }  // namespace
 
-PlotSheet::PlotSheet(const std::vector<PlottedRun>& runs, int em)
-    : runs_(runs), diagrams_(diagramsOf(runs)), em_(em) {
+PlotSheet::PlotSheet(const std::vector<PlottedRun>& runs, int em, picture::Colour background)
+    : runs_(runs), diagrams_(diagramsOf(runs)), em_(em), background_(background) {
   if (diagrams_.empty()) throw InputError("error: the run has no curve to plot");
 }
 
@@ -657,21 +772,46 @@ double PlotSheet::leastHeight(int columns) const {
   return rows(columns) * (kLeastEms + kTitleEms + kBelowEms) * em_;
 }
 
-void PlotSheet::draw(picture::Canvas& page, const picture::PageBox& box, int columns,
-                     const std::string& prefix) const {
-  PlotLayout layout = layOut(static_cast<int>(diagrams_.size()), em_, box.width, columns);
+std::vector<picture::PageBox> PlotSheet::boxes(const picture::PageBox& box, int columns) const {
+  const auto count = static_cast<int>(diagrams_.size());
+  PlotLayout layout = layOut(count, em_, box.width, columns);
   layout.first.left += box.left;
   layout.first.upper += box.upper;
   if (box.height > 0) {
     layout.down = box.height / rows(columns);
     layout.first.height = layout.down - (kTitleEms + kBelowEms) * em_;
   }
-  Plotter plotter(page, em_, runs_);
+  std::vector<picture::PageBox> boxes;
+  for (int k = 0; k < count; ++k) boxes.push_back(layout.box(k));
+  return boxes;
+}
+
+void PlotSheet::draw(picture::Canvas& page, const picture::PageBox& box, int columns,
+                     const std::string& prefix) const {
+  const std::vector<picture::PageBox> places = boxes(box, columns);
+  Plotter plotter(page, em_, background_);
   for (std::size_t k = 0; k < diagrams_.size(); ++k) {
     page.begin(prefix + "curves_" + std::to_string(k + 1));
-    plotter.draw(diagrams_[k], layout.box(static_cast<int>(k)));
+    plotter.draw(diagrams_[k], axesOf(diagrams_[k], runs_, places[k]));
     page.end();
   }
+}
+
+std::vector<DrawnCurve> PlotSheet::drawnCurves(const picture::PageBox& box, int columns) const {
+  const std::vector<picture::PageBox> places = boxes(box, columns);
+  const PlotColours colours(background_);
+  std::vector<DrawnCurve> curves;
+  for (std::size_t k = 0; k < diagrams_.size(); ++k) {
+    const DiagramAxes axes = axesOf(diagrams_[k], runs_, places[k]);
+    for (std::size_t number = 0; number < diagrams_[k].lines.size(); ++number) {
+      const PlotLine& line = diagrams_[k].lines[number];
+      curves.push_back({colours.line(number), {}});
+      for (std::size_t sample = 0; sample < line.values.size(); ++sample) {
+        curves.back().points.push_back(axes.pointOf(line, sample));
+      }
+    }
+  }
+  return curves;
 }
 
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,

@@ -53,11 +53,20 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
 
 struct Diagram;
 
+/// A curve on a page.
+struct DrawnCurve {
+  picture::Colour colour;
+  /// One per sample, pixels from the upper left of the page; absent if the sample is not drawn.
+  std::vector<std::optional<Eigen::Vector2d>> points;
+};
+
 /// The diagrams of curves, to be drawn on a page. The runs must outlive it.
 class PlotSheet {
  public:
-  /// Text is `em` pixels high. Throws InputError if no group has values.
-  PlotSheet(const std::vector<PlottedRun>& runs, int em);
+  /// Text is `em` pixels high. Colours have contrast to the background of the page. Throws
+  /// InputError if no group has values.
+  PlotSheet(const std::vector<PlottedRun>& runs, int em,
+            picture::Colour background = picture::PageSettings().background);
   ~PlotSheet();
   PlotSheet(const PlotSheet&) = delete;
   PlotSheet& operator=(const PlotSheet&) = delete;
@@ -73,23 +82,28 @@ class PlotSheet {
   void draw(picture::Canvas& page, const picture::PageBox& box, int columns,
             const std::string& prefix) const;
 
+  /// The curves that draw() draws into this box.
+  std::vector<DrawnCurve> drawnCurves(const picture::PageBox& box, int columns) const;
+
   /// Columns in a figure, unless it has fewer diagrams.
   static constexpr int kColumns = 2;
 
  private:
   int rows(int columns) const;
+  std::vector<picture::PageBox> boxes(const picture::PageBox& box, int columns) const;
 
   const std::vector<PlottedRun>& runs_;
   std::vector<Diagram> diagrams_;
   int em_;
+  picture::Colour background_;
 };
 
 /// The curves with these names: of groups ("target_error", "opening") or of columns without
 /// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves.
-/// Throws InputError for an unknown name,
-/// with the list of known names.
-std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
-                                                 const std::vector<std::string>& names);
+/// Throws InputError for an unknown name, with the option and the list of known names.
+std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::CurveGroup>& groups,
+                                                 const std::vector<std::string>& names,
+                                                 const char* option = "--curves");
 
 /// The force of each grip that moves or pushes over its displacement, one curve per direction of a
 /// [[grip]]; moments over rotations. Dashed where the equilibria are unstable. `modelSize`: metres.
@@ -105,6 +119,11 @@ enum class CurvesAgainst {
   Progress,  ///< the fraction of the motion, see MotionCurve
   Opening,   ///< the mean opening of the joints, degrees
 };
+
+/// The curves of a run with this name, see selectCurves(). Only curves with values count. Reads the
+/// trajectory once. Throws InputError like selectCurves().
+PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
+                        CurvesAgainst against, const char* option);
 
 /// A column of an external table.
 struct FileColumn {

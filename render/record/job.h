@@ -69,6 +69,8 @@ struct PictureSettings {
   /// A scale bar in the grid and the video; requires a parallel projection.
   bool scaleBar = false;
   bool progressBar = false;           ///< under the video
+  /// A curve in a corner of the frames, with a dot at their time; see Inset. Empty: none.
+  std::string inset;
   std::optional<double> dotsPerInch;  ///< stored in PNG files, for print
   std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: not fixed
   std::optional<double> fontPoints;   ///< size of its text in print; requires gridWidth

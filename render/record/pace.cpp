@@ -180,20 +180,30 @@ trajectory::Sample Replay::at(double time) {
   return interpolator_.between(pair_[0], pair_[1], share);
 }
 
-StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<FrameMoment>& moments,
-                   const ProgressObserver& observer, PictureReport& report) {
-  return [&run, &moments, &observer, &report](const StateConsumer& take) {
-    Replay states(run);
-    for (std::size_t k = 0; k < moments.size(); ++k) {
-      const FrameMoment& moment = moments[k];
-      if (!take(std::make_shared<const FrameState>(FrameState{moment, states.at(moment.time)}))) {
-        return;
+StateSource replay(const std::vector<FilmedRun>& runs, const ProgressObserver& observer,
+                   PictureReport& report) {
+  return [&runs, &observer, &report](const StateConsumer& take) {
+    std::vector<Replay> replays;
+    std::size_t count = 0;
+    for (const FilmedRun& filmed : runs) {
+      replays.emplace_back(filmed.run);
+      count = std::max(count, filmed.moments.size());
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      std::vector<FrameState> states;
+      double latest = 0;
+      for (std::size_t run = 0; run < runs.size(); ++run) {
+        const std::vector<FrameMoment>& moments = runs[run].moments;
+        const FrameMoment& moment = moments[std::min(k, moments.size() - 1)];
+        states.push_back({moment, replays[run].at(moment.time)});
+        latest = std::max(latest, moment.time);
       }
-      const bool isLast = k + 1 == moments.size();
-      const double share = static_cast<double>(k + 1) / static_cast<double>(moments.size());
+      if (!take(std::make_shared<const std::vector<FrameState>>(std::move(states)))) return;
+      const bool isLast = k + 1 == count;
+      const double share = static_cast<double>(k + 1) / static_cast<double>(count);
       const Interruption interruption = observer({"painting", share});
       if (!interruption || isLast) continue;
-      report.stoppedAt = moment.time;
+      report.stoppedAt = latest;
       report.stoppedBy = *interruption;
       return;
     }

@@ -46,6 +46,8 @@ struct FrameMoment {
   double time = 0;      ///< simulated seconds
   double progress = 0;  ///< completed fraction of the motion, [0, 1]
   double turn = 0;      ///< completed fraction of the camera's orbit, [0, 1]
+
+  bool operator==(const FrameMoment&) const = default;
 };
 
 /// The moment of a simulated time, seconds. At an even pace the camera's orbit follows the motion,
@@ -101,20 +103,26 @@ struct FrameState {
   trajectory::Sample sample;  ///< data of the state
 };
 
-/// A state that several threads may read at the same time.
-using SharedState = std::shared_ptr<const FrameState>;
+/// The states of runs in one frame, one per run. Several threads may read them at the same time.
+using SharedStates = std::shared_ptr<const std::vector<FrameState>>;
 
-/// Accepts the next state of a run; false requests an early end.
-using StateConsumer = std::function<bool(const SharedState&)>;
+/// Accepts the states of the next frame; false requests an early end.
+using StateConsumer = std::function<bool(const SharedStates&)>;
 
-/// Passes states to a consumer one by one; returns after the last.
+/// Passes states to a consumer frame by frame; returns after the last.
 using StateSource = std::function<void(const StateConsumer&)>;
 
-/// Passes the states of the moments in order. The observer, called after each state with the stage
-/// "painting", may end it early, which the report then records. All arguments must outlive the
-/// source.
-StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<FrameMoment>& moments,
-                   const ProgressObserver& observer, PictureReport& report);
+/// A run in a video.
+struct FilmedRun {
+  const trajectory::TrajectoryReader& run;
+  std::vector<FrameMoment> moments;  ///< one or more
+};
+
+/// Passes the states of the moments in order. A run with fewer moments than others stays at its
+/// last one. The observer, called after each frame with the stage "painting", may end it early,
+/// which the report then records. All arguments must outlive the source.
+StateSource replay(const std::vector<FilmedRun>& runs, const ProgressObserver& observer,
+                   PictureReport& report);
 
 // ------------------------------------------------------------------------------------------------
 // Selection of the samples of a run for single pictures.

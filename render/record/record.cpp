@@ -29,6 +29,8 @@
 #include "render/output/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
+#include "render/record/curves.h"
+#include "render/record/inset.h"
 #include "render/record/load_curve_file.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
@@ -355,6 +357,18 @@ void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings
   pictures.writeSnapshots(run, motion);
 }
 
+/// After a long run, a curve that it lacks is no reason to lose its pictures.
+void checkInset(const trajectory::TrajectoryReader& run, const ProgressObserver& observer,
+                RecordSettings& settings) {
+  if (settings.inset.empty()) return;
+  try {
+    insetCurve(run, settings);
+  } catch (const InputError& error) {
+    settings.inset.clear();
+    observer({"painting", 0, fmt::format("warning: the video has no inset: {}", error.what())});
+  }
+}
+
 /// Files in place do not change, so each is read once. Files with a known digest are not read
 /// again.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
@@ -452,6 +466,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   writeLoadCurve(settings, summary);
   if (settings.paints()) {
     const trajectory::TrajectoryReader trajectory(settings.folder / output::kTrajectory);
+    checkInset(trajectory, observer, settings);
     makePictures(trajectory, settings, observer, summary);
   }
   if (summary.stoppedAt) {
@@ -501,11 +516,10 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   return report;
 }
 
-PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectories,
-                           const PictureSettings& asked) {
+PictureReport renderSeveral(const std::vector<std::filesystem::path>& trajectories,
+                            const PictureSettings& asked, const ProgressObserver& observer) {
   const Stopwatch stopwatch;
   PictureSettings settings = asked;
-  settings.video = settings.frames = false;
   settings.grid.rows = static_cast<int>(trajectories.size());
   requireValidSettings(settings);
   std::vector<std::unique_ptr<trajectory::TrajectoryReader>> opened;
@@ -524,9 +538,14 @@ PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectorie
   settings.madeBy = madeBy(models);
   PictureReport report;
   prepareGraphics(settings);
-  const std::vector<PanelRow> rows = figureRows(runs, settings);
-  PanelSheet(rows, settings.grid, settings, report).write();
-  files.commit(report.files);
+  const std::vector<std::string> names = namesOf(runs, trajectories);
+  if (settings.paintsFrames()) makeSideBySide(runs, names, settings, observer, report);
+  if (settings.snapshots) {
+    std::vector<PanelRow> rows = figureRows(runs, settings);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].head = names[k];
+    PanelSheet(rows, settings.grid, settings, report).write();
+  }
+  if (!report.files.empty()) files.commit(report.files);
   report.recordCost.wallSeconds = stopwatch.seconds();
   report.recordCost.peakMemoryBytes = peakMemoryBytes();
   return report;

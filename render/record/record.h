@@ -37,9 +37,10 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& settings,
 PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
                      const ProgressObserver& observer);
 
-/// Makes one grid of several recorded runs: a row of settings.grid.columns states each, with one
-/// camera and one scale for all. Throws InputError if there is no common scale, and like render().
-PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectories,
-                           const PictureSettings& settings);
+/// Makes one grid of several recorded runs, a row of settings.grid.columns states each, and a video
+/// with the runs side by side, as far as the settings request them. Throws InputError if there is
+/// no common scale, and like render().
+PictureReport renderSeveral(const std::vector<std::filesystem::path>& trajectories,
+                            const PictureSettings& settings, const ProgressObserver& observer);
 
 }  // namespace kirireel::record

@@ -16,8 +16,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <memory>
 #include <numbers>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -160,6 +162,7 @@ void requirePaintable(const picture::PictureContent& content, const PictureSetti
   if (!settings.paints()) return;
   const picture::PictureSetup setup(settings.look, content, settings.size);
   if (settings.scaleBar) setup.metresPerPixel();
+  requireInset(settings);
 }
 
 std::string CaptionWriter::text(const FrameState& state, double progress) const {
@@ -187,71 +190,111 @@ std::string CaptionWriter::longest(double endTime) const {
   return picture::captionText(parts_, values);
 }
 
-picture::StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
-                               double endTime) {
+namespace {
+
+/// The text under the frames of a video.
+picture::StripParts stripParts(const PictureSettings& settings, const std::string& longestCaption,
+                               const SideTexts& texts) {
   picture::StripParts parts;
-  if (settings.captions) parts.longestCaption = captions.longest(endTime);
+  parts.name = texts.name;
+  parts.longestName = texts.longestName;
+  if (settings.captions) parts.longestCaption = longestCaption;
   parts.progressBar = settings.progressBar;
   parts.scaleBar = settings.scaleBar;
   parts.colours = true;
   return parts;
 }
 
-RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
-                         PictureReport& report)
-    : settings_(settings),
-      report_(report),
-      captions_(settings.captionParts(), contentOf(run.subject())),
-      frames_(settings.size, settings.look, contentOf(run, settings),
-              stripParts(settings, captions_, run.times().back()), picture::Smoothness::Film) {
-  report_.graphics = picture::graphicsVersion();
-  report_.view = frames_.setup().content().view;
-  if (settings.look.camera.view) report_.view = {*settings.look.camera.view};
+std::string longestCaption(const trajectory::TrajectoryReader& run, const CaptionWriter& captions) {
+  return captions.longest(run.times().back());
 }
 
-/// This thread also paints, since it already has a painter.
-void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
-                             const ProgressObserver& observer) {
-  const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
-  const double begin = processCpuSeconds(), encoded = report_.recordCost.cpuSecondsEncode;
-  double reading = 0;
-  const StateSource source = replay(run, moments, observer, report_);
-  const int painters = std::min(settings_.painters(), static_cast<int>(moments.size()));
-  OrderQueue orders(kWaitingSamples);
-  FrameQueue frames(kWaitingFrames + painters);
-  FramePool pool;
-  TaskGroup tasks([&] {
-    orders.stop();
-    frames.stop();
-  });
-  tasks.start([&] {
-    const CpuTimer timer(reading);
-    source([&](const SharedState& state) {
-      FrameOrder order{state, {}};
-      return frames.push(order.frame.get_future()) && orders.push(std::move(order));
-    });
-    orders.close();
-    frames.close();
-  });
-  tasks.start([&] { encode(frames, pool); });
-  for (int k = 1; k < painters; ++k) {
-    tasks.start([&] {
-      picture::StatePainter painter(frames_);
-      paint(painter, orders, pool);
-    });
+}  // namespace
+
+FramePainter::FramePainter(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+                           const SideTexts& texts)
+    : captions_(
+          std::make_shared<const CaptionWriter>(settings.captionParts(), contentOf(run.subject()))),
+      painter_(settings.size, settings.look, contentOf(run, settings),
+               stripParts(settings,
+                          texts.longestCaption.empty() ? longestCaption(run, *captions_)
+                                                       : texts.longestCaption,
+                          texts),
+               picture::Smoothness::Film) {
+  addInset(run, settings);
+}
+
+void FramePainter::addInset(const trajectory::TrajectoryReader& run,
+                            const PictureSettings& settings) {
+  if (!settings.inset.empty()) inset_ = std::make_shared<const Inset>(run, settings, setup());
+}
+
+void FramePainter::show(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
+  painter_.show(settings.look, setup().content());
+  addInset(run, settings);
+}
+
+picture::Frame FramePainter::paint(const FrameState& state, picture::Frame storage) {
+  picture::Frame frame = painter_.paint(
+      shownState(state), {captions_->inVideo(state), state.moment.progress}, std::move(storage));
+  if (inset_) inset_->draw(frame, state.moment.time);
+  return frame;
+}
+
+namespace {
+
+/// States to be painted, with a promise of their frame in the order of the video.
+struct FrameOrder {
+  SharedStates states;
+  std::promise<picture::Frame> frame;
+};
+using OrderQueue = BoundedQueue<FrameOrder>;
+using FrameQueue = BoundedQueue<std::future<picture::Frame>>;
+
+/// Width of each run's part of a frame, pixels. The rest of the frame's width is empty.
+int partWidth(const PictureSettings& settings, std::size_t runs) {
+  return settings.size.width / static_cast<int>(runs);
+}
+
+/// Paints whole frames of one run or of several. Of several, a part whose state did not change is
+/// not painted again.
+class FrameComposer {
+ public:
+  FrameComposer(std::vector<FramePainter>& painters, const PictureSettings& settings)
+      : painters_(painters), settings_(settings), parts_(painters.size()) {}
+
+  picture::Frame paint(const std::vector<FrameState>& states, picture::Frame storage) {
+    if (states.size() == 1) return painters_.front().paint(states.front(), std::move(storage));
+    picture::Frame frame = picture::makeFrame(
+        settings_.size, painters_.front().setup().style().background, std::move(storage));
+    const int width = partWidth(settings_, states.size());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      PaintedPart& part = parts_[k];
+      if (part.moment != states[k].moment) {
+        part.frame = painters_[k].paint(states[k], std::move(part.frame));
+        part.moment = states[k].moment;
+      }
+      picture::pasteFrame(frame, part.frame, static_cast<int>(k) * width, 0);
+    }
+    return frame;
   }
-  tasks.run([&] { paint(frames_, orders, pool); });
-  tasks.finish();
-  // CPU time that is not of these threads was used for painting, on any threads.
-  report_.recordCost.cpuSecondsRender +=
-      processCpuSeconds() - begin - reading - (report_.recordCost.cpuSecondsEncode - encoded);
-}
 
-/// Ends when the queue is closed or stopped. Adds CPU seconds under the lock.
-void RunPictures::paint(picture::StatePainter& painter, OrderQueue& orders, FramePool& pool) {
+ private:
+  struct PaintedPart {
+    picture::Frame frame;
+    std::optional<FrameMoment> moment;  ///< of the frame
+  };
+
+  std::vector<FramePainter>& painters_;
+  const PictureSettings& settings_;
+  std::vector<PaintedPart> parts_;
+};
+
+/// Ends when the queue is closed or stopped.
+void paintAll(FrameComposer composer, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
     try {
-      order->frame.set_value(paintFrame(painter, *order->state, pool.take()));
+      order->frame.set_value(composer.paint(*order->states, pool.take()));
     } catch (...) {
       // The encoder may wait for this frame, so it gets the exception. A broken promise would
       // otherwise be the group's first error.
@@ -262,12 +305,12 @@ void RunPictures::paint(picture::StatePainter& painter, OrderQueue& orders, Fram
 }
 
 /// On its own thread, with the only sink.
-void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
-  FrameSink sink(settings_, report_);
-  const picture::Style& style = frames_.setup().style();
-  const Title title{settings_.title, settings_.subtitle};
+void encodeAll(FrameQueue& frames, FramePool& pool, const picture::Style& style,
+               const PictureSettings& settings, PictureReport& report) {
+  FrameSink sink(settings, report);
+  const Title title{settings.title, settings.subtitle};
   if (!title.empty()) {
-    sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
+    sink.putTitle(titleCard(title, settings.size, style.background, style.text));
   }
   // If a painter fails, get() throws its exception.
   while (std::optional<std::future<picture::Frame>> frame = frames.pop()) {
@@ -277,25 +320,77 @@ void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
   if (!frames.isStopped()) sink.finish();
 }
 
-picture::Frame RunPictures::paintFrame(picture::StatePainter& painter, const FrameState& state,
-                                       picture::Frame storage) const {
-  return painter.paint(shownState(state), {captions_.inVideo(state), state.moment.progress},
-                       std::move(storage));
+}  // namespace
+
+/// This thread also paints, since it already has painters.
+void makeFrames(const std::vector<FilmedRun>& runs, std::vector<FramePainter>& painters,
+                const PictureSettings& settings, const ProgressObserver& observer,
+                PictureReport& report) {
+  const double begin = processCpuSeconds(), encoded = report.recordCost.cpuSecondsEncode;
+  double reading = 0;
+  const StateSource source = replay(runs, observer, report);
+  std::size_t count = 0;
+  for (const FilmedRun& filmed : runs) count = std::max(count, filmed.moments.size());
+  const int threads = std::min(settings.painters(), static_cast<int>(count));
+  OrderQueue orders(kWaitingSamples);
+  FrameQueue frames(kWaitingFrames + threads);
+  FramePool pool;
+  TaskGroup tasks([&] {
+    orders.stop();
+    frames.stop();
+  });
+  tasks.start([&] {
+    const CpuTimer timer(reading);
+    source([&](const SharedStates& states) {
+      FrameOrder order{states, {}};
+      return frames.push(order.frame.get_future()) && orders.push(std::move(order));
+    });
+    orders.close();
+    frames.close();
+  });
+  const picture::Style style = painters.front().setup().style();
+  tasks.start([&] { encodeAll(frames, pool, style, settings, report); });
+  for (int k = 1; k < threads; ++k) {
+    tasks.start([&] {
+      std::vector<FramePainter> own(painters);
+      paintAll({own, settings}, orders, pool);
+    });
+  }
+  tasks.run([&] { paintAll({painters, settings}, orders, pool); });
+  tasks.finish();
+  // CPU time that is not of these threads was used for painting, on any threads.
+  report.recordCost.cpuSecondsRender +=
+      processCpuSeconds() - begin - reading - (report.recordCost.cpuSecondsEncode - encoded);
+}
+
+RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+                         PictureReport& report)
+    : settings_(settings), report_(report) {
+  painters_.emplace_back(run, settings);
+  report_.graphics = picture::graphicsVersion();
+  report_.view = painters_.front().setup().content().view;
+  if (settings.look.camera.view) report_.view = {*settings.look.camera.view};
+}
+
+void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
+                             const ProgressObserver& observer) {
+  record::makeFrames({{run, videoMoments(motion, settings_)}}, painters_, settings_, observer,
+                     report_);
 }
 
 picture::Frame RunPictures::paintStill(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  if (!stills_) stills_.emplace(frames_, picture::Smoothness::Still);
-  return paintFrame(*stills_, state);
+  if (!stills_) stills_.emplace(painters_.front(), picture::Smoothness::Still);
+  return stills_->paint(state);
 }
 
 /// Interpolates states at the times of the grid instead of using the nearest samples.
 void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
-  PanelRow row{settings_.look, frames_.setup().content(), {}, {}, {}};
+  PanelRow row{settings_.look, painters_.front().setup().content(), {}, {}, {}};
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
     row.states.push_back({moment, replayed.at(moment.time)});
-    row.captions.push_back(captions_.of(row.states.back()));
+    row.captions.push_back(painters_.front().captions().of(row.states.back()));
   }
   const std::vector<PanelRow> rows = {std::move(row)};
   PanelSheet(rows, settings_.grid, settings_, report_).write();
@@ -802,24 +897,38 @@ PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings&
   return row;
 }
 
-/// Sets the camera distance and the colour scale for the largest need of the rows.
-void shareScales(const PictureSettings& settings, std::vector<PanelRow>& rows) {
+/// Changes the looks of pictures to the largest scale of length, if requested, and of colour.
+/// Returns whether anything changed.
+bool shareScales(const PictureSettings& settings,
+                 const std::vector<const picture::PictureSetup*>& setups,
+                 const std::vector<picture::Look*>& looks) {
   std::vector<double> heights;
   double most = 0;
-  for (const PanelRow& row : rows) {
-    const picture::PictureSetup setup(row.look, row.content, settings.size);
-    if (settings.sameScale) heights.push_back(setup.metresPerPixel());
-    if (setup.colourScale()) most = std::max(most, setup.colourScale()->most);
+  for (const picture::PictureSetup* setup : setups) {
+    if (settings.sameScale) heights.push_back(setup->metresPerPixel());
+    if (setup->colourScale()) most = std::max(most, setup->colourScale()->most);
   }
-  for (std::size_t k = 0; k < rows.size(); ++k) {
+  for (std::size_t k = 0; k < looks.size(); ++k) {
     if (settings.sameScale) {
-      rows[k].look.camera.zoom *= heights[k] / *std::ranges::max_element(heights);
+      looks[k]->camera.zoom *= heights[k] / *std::ranges::max_element(heights);
     }
-    if (most > 0) rows[k].look.colourMost = most;
+    if (most > 0) looks[k]->colourMost = most;
   }
+  return settings.sameScale || most > 0;
 }
 
 }  // namespace
+
+std::vector<std::string> namesOf(std::span<const trajectory::TrajectoryReader* const> runs,
+                                 const std::vector<std::filesystem::path>& trajectories) {
+  std::vector<std::string> names, folders;
+  for (const trajectory::TrajectoryReader* run : runs) names.push_back(run->subject().model.name);
+  for (const std::filesystem::path& trajectory : trajectories) {
+    folders.push_back(std::filesystem::absolute(trajectory).parent_path().filename().string());
+  }
+  const std::set<std::string> distinct(names.begin(), names.end());
+  return distinct.size() == names.size() ? names : folders;
+}
 
 std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& asked) {
@@ -830,8 +939,65 @@ std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* c
   for (const trajectory::TrajectoryReader* run : runs) {
     rows.push_back(makeRow(*run, settings, states));
   }
-  shareScales(settings, rows);
+  std::vector<std::unique_ptr<picture::PictureSetup>> made;
+  std::vector<const picture::PictureSetup*> setups;
+  std::vector<picture::Look*> looks;
+  for (PanelRow& row : rows) {
+    made.push_back(std::make_unique<picture::PictureSetup>(row.look, row.content, settings.size));
+    setups.push_back(made.back().get());
+    looks.push_back(&row.look);
+  }
+  shareScales(settings, setups, looks);
   return rows;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A frame of several runs has parts of equal width, one per run, which are painted like the frames
+// of single runs of this size. Lines and insets have the print size of the whole frame.
+
+namespace {
+
+/// The widest text. At least one.
+std::string widest(const std::vector<std::string>& texts) {
+  constexpr int kAnySize = 64;
+  const picture::LabelWriter writer(kAnySize);
+  return *std::ranges::max_element(
+      texts, {}, [&writer](const std::string& text) { return writer.width(text); });
+}
+
+}  // namespace
+
+void makeSideBySide(std::span<const trajectory::TrajectoryReader* const> runs,
+                    const std::vector<std::string>& names, const PictureSettings& settings,
+                    const ProgressObserver& observer, PictureReport& report) {
+  PictureSettings part = settings;
+  part.look = sharedLook(runs, settings);
+  part.look.pixelsPerInch = picture::pixelsPerInchOf(settings.size);
+  part.size.width = partWidth(settings, runs.size());
+  std::vector<FilmedRun> filmed;
+  std::vector<std::string> captions;
+  for (const trajectory::TrajectoryReader* run : runs) {
+    filmed.push_back({*run, videoMoments(motionOf(*run), settings)});
+    captions.push_back(
+        longestCaption(*run, CaptionWriter(settings.captionParts(), contentOf(run->subject()))));
+  }
+  std::vector<FramePainter> painters;
+  painters.reserve(runs.size());
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    painters.emplace_back(*runs[k], part, SideTexts{names[k], widest(names), widest(captions)});
+  }
+  std::vector<PictureSettings> parts(runs.size(), part);
+  std::vector<const picture::PictureSetup*> setups;
+  std::vector<picture::Look*> looks;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    setups.push_back(&painters[k].setup());
+    looks.push_back(&parts[k].look);
+  }
+  if (shareScales(settings, setups, looks)) {
+    for (std::size_t k = 0; k < runs.size(); ++k) painters[k].show(*runs[k], parts[k]);
+  }
+  report.graphics = picture::graphicsVersion();
+  makeFrames(filmed, painters, settings, observer, report);
 }
 
 }  // namespace kirireel::record

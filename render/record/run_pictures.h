@@ -1,7 +1,7 @@
 /// The pictures of a run: single pictures, videos, sheets, title cards.
 #pragma once
 
-#include <future>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +12,7 @@
 #include "render/picture/png.h"
 #include "render/picture/state_painter.h"
 #include "render/picture/video.h"
+#include "render/record/inset.h"
 #include "render/record/job.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
@@ -66,22 +67,69 @@ class CaptionWriter {
   LengthUnit unit_;
 };
 
-/// The text under the frames of a video.
-picture::StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
-                               double endTime);
+/// The runs of a video side by side: texts with the same size in all parts.
+struct SideTexts {
+  std::string name;            ///< of this part's run; empty: not shown
+  std::string longestName;     ///< of all parts
+  std::string longestCaption;  ///< of all parts
+};
+
+/// Paints the frames of a run's video, or its part of them. Use it only in the thread that makes
+/// it.
+class FramePainter {
+ public:
+  /// Reads the same data as contentOf(). `texts`: of runs side by side. Throws InputError if the
+  /// style needs data that the content lacks or the run lacks the curve of the inset, OutputError
+  /// if there is no graphics context.
+  FramePainter(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+               const SideTexts& texts = {});
+  /// Another painter of the same frames, for the thread that makes it.
+  FramePainter(const FramePainter& other) = default;
+  /// The same with another smoothness.
+  FramePainter(const FramePainter& other, picture::Smoothness smoothness)
+      : captions_(other.captions_), inset_(other.inset_), painter_(other.painter_, smoothness) {}
+  FramePainter& operator=(const FramePainter&) = delete;
+
+  /// The frame of a state with its strip and its inset. storage: an unused frame.
+  picture::Frame paint(const FrameState& state, picture::Frame storage = {});
+
+  /// Paints with another look from now on.
+  void show(const trajectory::TrajectoryReader& run, const PictureSettings& settings);
+
+  const CaptionWriter& captions() const { return *captions_; }
+  const picture::PictureSetup& setup() const { return painter_.setup(); }
+
+ private:
+  void addInset(const trajectory::TrajectoryReader& run, const PictureSettings& settings);
+
+  std::shared_ptr<const CaptionWriter> captions_;
+  std::shared_ptr<const Inset> inset_;  ///< may be null
+  picture::StatePainter painter_;
+};
+
+/// Paints the frames of a video and encodes them concurrently. Several runs are side by side in
+/// each frame, from left to right. `painters` has one entry per run. settings.painters() threads
+/// paint, including this one. Reader and encoder have their own threads. The bytes depend neither
+/// on the number of threads nor on their speed. Throws the first error of any of them.
+void makeFrames(const std::vector<FilmedRun>& runs, std::vector<FramePainter>& painters,
+                const PictureSettings& settings, const ProgressObserver& observer,
+                PictureReport& report);
+
+/// Makes the video of several runs side by side. Each has an equal part of the frames with its name
+/// below. Views and scales are those of a figure, see figureRows(). A run whose video would be
+/// shorter stays at its end. Throws InputError like figureRows() and FramePainter.
+void makeSideBySide(std::span<const trajectory::TrajectoryReader* const> runs,
+                    const std::vector<std::string>& names, const PictureSettings& settings,
+                    const ProgressObserver& observer, PictureReport& report);
 
 /// Paints the pictures of one run. Use it only in the thread that makes it.
 class RunPictures {
  public:
-  /// All arguments must outlive the pictures. Throws InputError if the style needs data that the
-  /// content lacks, OutputError if there is no graphics context. Makes a graphics context and reads
-  /// the same data as contentOf().
+  /// All arguments must outlive the pictures. Throws like FramePainter.
   RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
               PictureReport& report);
 
-  /// Paints the run's video frames and encodes them concurrently. settings.painters() threads
-  /// paint, including this one. Reader and encoder have their own threads. The bytes depend neither
-  /// on the number of threads nor on their speed. Throws the first error of any of them.
+  /// Makes the video, see the function with this name.
   void makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
                   const ProgressObserver& observer);
 
@@ -89,18 +137,6 @@ class RunPictures {
   void writeSnapshots(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
 
  private:
-  /// A state to be painted, with a promise of its frame in the order of states.
-  struct FrameOrder {
-    SharedState state;
-    std::promise<picture::Frame> frame;
-  };
-  using OrderQueue = BoundedQueue<FrameOrder>;
-  using FrameQueue = BoundedQueue<std::future<picture::Frame>>;
-
-  void paint(picture::StatePainter& painter, OrderQueue& orders, FramePool& pool);
-  void encode(FrameQueue& frames, FramePool& pool);
-  picture::Frame paintFrame(picture::StatePainter& painter, const FrameState& state,
-                            picture::Frame storage = {}) const;
   picture::Frame paintStill(const FrameState& state);
   void writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
   void writeMoments(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
@@ -108,9 +144,8 @@ class RunPictures {
 
   const PictureSettings& settings_;
   PictureReport& report_;
-  CaptionWriter captions_;
-  picture::StatePainter frames_;                 ///< with a strip below its pictures
-  std::optional<picture::StatePainter> stills_;  ///< the same, smoother: for single frames
+  std::vector<FramePainter> painters_;  ///< one, with a strip below its pictures
+  std::optional<FramePainter> stills_;  ///< the same, smoother: for single frames
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -255,6 +290,11 @@ class PanelSheet {
 
 // ------------------------------------------------------------------------------------------------
 // Figures of several runs, one row of pictures each.
+
+/// Names for runs in one figure: of their models, or of their folders if models have the same name.
+/// `trajectories`: the files of the runs.
+std::vector<std::string> namesOf(std::span<const trajectory::TrajectoryReader* const> runs,
+                                 const std::vector<std::filesystem::path>& trajectories);
 
 /// The rows of a figure with settings.grid.columns states of each run. A single run has as many
 /// states as the grid has cells. All pictures have a common colour scale. With sameView they have

@@ -43,50 +43,6 @@ constexpr ShapeCurve kShapeCurves[] = {
     {"opening_largest_deg", "opening_largest", "degree",
      "largest turn of joined tiles since the start"}};
 
-/// The groups with empty curves: the shape's groups first, in the order above.
-std::vector<CurveGroup> emptyGroups() {
-  std::vector<CurveGroup> groups = {
-      {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
-      {"Area", "m²", false, {{"hull"}, {"covered"}}},
-      {"Hull perimeter", "m", false, {{"hull perimeter"}}},
-      {"Porosity", "", false, {{"porosity"}}},
-      {"Poisson's ratio", "", false, {{"Poisson's ratio"}}},
-      {"Opening", "degrees", false, {{"least"}, {"mean"}, {"largest"}}}};
-  // The names of columns come from the table above, in its order.
-  const ShapeCurve* shape = kShapeCurves;
-  for (CurveGroup& group : groups) {
-    for (Curve& curve : group.curves) curve.column = (shape++)->column;
-  }
-  const std::vector<CurveGroup> more = {
-      {"Energy",
-       "J",
-       false,
-       {{"kinetic", "kinetic_energy_J"},
-        {"springs", "spring_energy_J"},
-        {"hinges", "elastic_energy_J"}}},
-      {"Work of the drives", "J", false, {{"work of the drives", "work_J"}}},
-      {"Lost energy",
-       "J",
-       false,
-       {{"dampers", "damped_J"}, {"contacts", "impacted_J"}, {"integrator", "integrated_J"}}},
-      {"Joint force",
-       "N",
-       false,
-       {{"mean", "joint_force_mean_N"},
-        {"largest", "joint_force_largest_N"},
-        {"largest indeterminate", "joint_force_indeterminate_N"}}},
-      {"Force on held tiles",
-       "N",
-       false,
-       {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
-      {"Target error", "m", true, {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
-      {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
-      {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
-      {"Radius", "m", false, {{"radius", "radius_m"}}}};
-  groups.insert(groups.end(), more.begin(), more.end());
-  return groups;
-}
-
 /// Measures the shape of successive samples.
 class ShapeMeter final : public SampleMeter {
  public:
@@ -260,13 +216,57 @@ bool CurveGroup::hasValues() const {
   return std::ranges::any_of(curves, &Curve::hasValues);
 }
 
+// The shape's groups come first, in the order of their table.
+std::vector<CurveGroup> curveGroups() {
+  std::vector<CurveGroup> groups = {
+      {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
+      {"Area", "m²", false, {{"hull"}, {"covered"}}},
+      {"Hull perimeter", "m", false, {{"hull perimeter"}}},
+      {"Porosity", "", false, {{"porosity"}}},
+      {"Poisson's ratio", "", false, {{"Poisson's ratio"}}},
+      {"Opening", "degrees", false, {{"least"}, {"mean"}, {"largest"}}}};
+  // The names of columns come from the table above, in its order.
+  const ShapeCurve* shape = kShapeCurves;
+  for (CurveGroup& group : groups) {
+    for (Curve& curve : group.curves) curve.column = (shape++)->column;
+  }
+  const std::vector<CurveGroup> more = {
+      {"Energy",
+       "J",
+       false,
+       {{"kinetic", "kinetic_energy_J"},
+        {"springs", "spring_energy_J"},
+        {"hinges", "elastic_energy_J"}}},
+      {"Work of the drives", "J", false, {{"work of the drives", "work_J"}}},
+      {"Lost energy",
+       "J",
+       false,
+       {{"dampers", "damped_J"}, {"contacts", "impacted_J"}, {"integrator", "integrated_J"}}},
+      {"Joint force",
+       "N",
+       false,
+       {{"mean", "joint_force_mean_N"},
+        {"largest", "joint_force_largest_N"},
+        {"largest indeterminate", "joint_force_indeterminate_N"}}},
+      {"Force on held tiles",
+       "N",
+       false,
+       {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
+      {"Target error", "m", true, {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
+      {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
+      {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
+      {"Radius", "m", false, {{"radius", "radius_m"}}}};
+  groups.insert(groups.end(), more.begin(), more.end());
+  return groups;
+}
+
 std::unique_ptr<SampleMeter> makeCurveMeter(const Subject& subject) {
   return std::make_unique<ShapeMeter>(subject);
 }
 
 RunCurves curvesOf(const TrajectoryReader& run) {
   const Subject& subject = run.subject();
-  RunCurves result{run.times(), emptyGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
+  RunCurves result{run.times(), curveGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
   ShapeMeter meter(subject);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
     const Sample at = run.sample(k);

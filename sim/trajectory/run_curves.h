@@ -65,6 +65,9 @@ struct RunCurves {
   std::vector<Curve> joints;
 };
 
+/// The groups of all runs, without values.
+std::vector<CurveGroup> curveGroups();
+
 /// Message for a run without energies and forces.
 inline constexpr const char* kNoMechanics =
     "the run has no energies and forces: kinematic paths have none, and engines do not report "

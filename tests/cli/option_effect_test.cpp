@@ -54,20 +54,19 @@ std::multimap<std::string, Case> cases() {
   }
   all.insert({"--dpi", {record + Words{"--no-snapshots", "--dpi", "300"}, {"-"}}});
   const Words several = {"render", "a", "b", "--out", "c"};
+  all.insert({"--frames-at", {several + Words{"--frames-at", "0"}, {"b"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{{"--no-snapshots", {}},
-                                                                  {"--frames", {}},
-                                                                  {"--frames-at", {"0"}},
                                                                   {"--fps", {"30"}},
-                                                                  {"--video", {"a.mp4"}},
                                                                   {"--length", {"5"}},
                                                                   {"--hold", {"1"}},
                                                                   {"--title", {"A"}},
                                                                   {"--subtitle", {"A"}},
                                                                   {"--progress-bar", {}},
+                                                                  {"--inset", {"radius"}},
                                                                   {"--crf", {"20"}},
                                                                   {"--preset", {"slow"}},
                                                                   {"--encoder", {"libx264"}}}) {
-    all.insert({option, {several + Words{option} + value, {"b"}}});
+    all.insert({option, {several + Words{option} + value, {"--video", "b.mp4"}}});
   }
   for (const std::string option : {"--same-view", "--same-scale"}) {
     all.insert({option, {Words{"render", "a", "--out", "c", option}, {"d"}}});
@@ -80,7 +79,8 @@ std::multimap<std::string, Case> cases() {
                                                                   {"--hold", {"1"}},
                                                                   {"--title", {"A"}},
                                                                   {"--subtitle", {"A"}},
-                                                                  {"--progress-bar", {}}}) {
+                                                                  {"--progress-bar", {}},
+                                                                  {"--inset", {"radius"}}}) {
     all.insert({option, {record + Words{"--no-video", option} + value, {"-"}}});
   }
   all.insert(

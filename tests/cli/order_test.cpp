@@ -193,6 +193,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--title", {"Squares \\ \"open\"", "\tat last"}},
       {"--subtitle", {"two\nlines"}},
       {"--progress-bar", {}},
+      {"--inset", {"target_error", "theta"}},
       {"--crf", {"0", "30"}},
       {"--preset", {"slow", "medium"}},
       {"--occlusion", {"0", "0.3"}},

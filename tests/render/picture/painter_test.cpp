@@ -466,6 +466,31 @@ TEST(Painter, DashesLinesWhereBricksHideThem) {
   EXPECT_EQ(seen.at(50, 50), face);
 }
 
+/// A trail of many points half way up a thick brick, and beyond it. 200 pixels are 1 m, the line is
+/// 0.04 m wide, and dashes of 0.12 m begin every 0.24 m, for any number of points.
+TEST(Painter, DashesTrailsWhereBricksHideThem) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
+  picture::Style style;
+  style.overlayWidth = 0.02;
+  const picture::Camera camera = parallelCamera(Vector3(1, 0.5, 0), picture::kTopView, 2);
+  for (const int points : {1, 7, 80}) {
+    picture::PictureItems items{sample.poses};
+    items.trails.emplace_back();
+    for (int k = 0; k <= points; ++k) items.trails[0].emplace_back(1.9 * k / points, 0.5, 0.5);
+    const picture::Frame frame =
+        picture::Painter({400, 400}, sample.bricks, style).paint(items, camera);
+    int wrong = 0;
+    for (int column = 6; column < 375; ++column) {
+      const double x = (column + 0.5) / 200, dash = std::fmod(x, 0.24);
+      // Pixels at the ends of dashes and at the brick's edge are mixed.
+      if (std::abs(x - 1) < 0.02 || std::min(dash, std::abs(dash - 0.12)) < 0.01) continue;
+      const bool isLine = frame.at(column, 200) == style.overlay;
+      wrong += isLine == (x > 1 || dash < 0.12) ? 0 : 1;
+    }
+    EXPECT_EQ(wrong, 0) << points;
+  }
+}
+
 TEST(Painter, MarksPointsByWholeDots) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.2);
   picture::Style style;

@@ -31,7 +31,10 @@ TEST(Strip, IsNotThereWithoutParts) {
 }
 
 TEST(Strip, NeverLiesOverThePicture) {
-  const picture::StripParts parts{"100%, t = 12.00 s", true, true, true};
+  const picture::StripParts parts{.longestCaption = "100%, t = 12.00 s",
+                                  .progressBar = true,
+                                  .scaleBar = true,
+                                  .colours = true};
   const picture::Frame frame =
       framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{}, picture::PictureScale{0.01, {}});
   EXPECT_EQ(frame.size, kWhole);

@@ -181,16 +181,16 @@ TEST(CurvesPlot, NamesRunsThatShareADiagram) {
 
 TEST(Curves, AreSelectedByGroupOrColumn) {
   const trajectory::RunCurves curves = someCurves();
-  EXPECT_EQ(record::selectCurves(curves, {}).size(), 4U);
-  const auto chosen = record::selectCurves(curves, {"joint_gap", "depth", "poissons_ratio"});
+  EXPECT_EQ(record::selectCurves(curves.groups, {}).size(), 4U);
+  const auto chosen = record::selectCurves(curves.groups, {"joint_gap", "depth", "poissons_ratio"});
   ASSERT_EQ(chosen.size(), 3U);
   EXPECT_EQ(chosen[0].name, "Joint gap");
   EXPECT_EQ(chosen[1].name, "Size");
   ASSERT_EQ(chosen[1].curves.size(), 1U);
   EXPECT_EQ(chosen[1].curves[0].column, "depth_m");
-  EXPECT_EQ(record::selectCurves(curves, {"size"})[0].curves.size(), 2U);
+  EXPECT_EQ(record::selectCurves(curves.groups, {"size"})[0].curves.size(), 2U);
   try {
-    record::selectCurves(curves, {"gapp"});
+    record::selectCurves(curves.groups, {"gapp"});
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), StartsWith("error: --curves: there is no curve 'gapp'; give some of "

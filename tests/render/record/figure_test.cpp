@@ -1,8 +1,10 @@
 #include <array>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/picture/png.h"
 #include "render/record/record.h"
 #include "render/record/run_pictures.h"
 #include "sim/base/error.h"
@@ -17,15 +19,15 @@ namespace fs = std::filesystem;
 class FigureTest : public testing::Test {
  protected:
   /// Records a sheet of squares; returns its trajectory.
-  fs::path recorded(const std::string& name, int side) {
+  fs::path recorded(const std::string& name, int side, double duration = 0.5) {
     scene::Scene scene;
     scene.model = model::makeTessellation({.columns = side, .rows = side});
     scene.model.name = name;
-    scene.stop.duration = 0.5;
+    scene.stop.duration = duration;
     record::RecordSettings settings;
-    settings.folder = folder_.path() / name;
+    settings.folder = folder_.path() / fmt::format("{} {} {}", name, side, duration);
     settings.video = settings.snapshots = settings.meshes = false;
-    record::record(scene, settings, [](const record::Progress&) { return record::Interruption(); });
+    record::record(scene, settings, proceed_);
     return settings.folder / "trajectory.h5";
   }
 
@@ -34,10 +36,34 @@ class FigureTest : public testing::Test {
     wanted.folder = folder_.path() / "figure";
     wanted.size = {160, 120};
     wanted.grid.columns = 3;
+    wanted.video = false;
+    return wanted;
+  }
+
+  /// Frames of a video at real pace, as PNG files.
+  record::PictureSettings framesIn(const std::string& folder) const {
+    record::PictureSettings wanted = settings();
+    wanted.folder = folder_.path() / folder;
+    wanted.size = {320, 200};
+    wanted.frames = true;
+    wanted.snapshots = false;
+    wanted.pace = record::Pace::Real;
+    wanted.framesPerSecond = 10;
+    return wanted;
+  }
+
+  /// The frames of a video as a single run has them, for a part of a frame of this height.
+  record::PictureSettings partIn(const std::string& folder, int stripHeight) const {
+    record::PictureSettings wanted = framesIn(folder);
+    wanted.look.pixelsPerInch = picture::pixelsPerInchOf(wanted.size);
+    wanted.size = {160, 200 - stripHeight};
     return wanted;
   }
 
   test::TemporaryFolder folder_;
+  record::ProgressObserver proceed_ = [](const record::Progress&) {
+    return record::Interruption();
+  };
 };
 
 TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
@@ -70,7 +96,7 @@ TEST_F(FigureTest, LeavesPictureAndPages) {
   wanted.fontPoints = 7;
   wanted.dotsPerInch = 100;
   wanted.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
-  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
+  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, wanted, proceed_);
   const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::HasSubstr(">large<"));
   EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
@@ -103,11 +129,104 @@ TEST_F(FigureTest, GivesRowsTheirOwnHeightsAndBoldLetters) {
   wanted.dotsPerInch = 150;
   wanted.letters = picture::PanelLetters::Small;
   wanted.pages = {picture::PageFormat::Svg};
-  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
+  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, wanted, proceed_);
   const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">a</text>"));
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">b</text>"));
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr(">c</text>")));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Videos of several runs. The oracle is the single video of each run: a part of the frame is equal
+// to its frame, pixel by pixel, above the line with the name, 1.5 x 9 pixels high.
+
+constexpr int kNameHeight = 14;
+
+picture::Frame frameOf(const record::PictureSettings& settings, int number) {
+  return picture::readPng(settings.folder / fmt::format("frames/frame_{:05}.png", number));
+}
+
+picture::Frame partOf(const picture::Frame& frame, int left, picture::FrameSize size) {
+  picture::Frame part = picture::makeFrame(size, {});
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) part.set(x, y, frame.at(left + x, y));
+  }
+  return part;
+}
+
+TEST_F(FigureTest, PartsOfAVideoAreTheVideosOfItsRuns) {
+  const fs::path longRun = recorded("small", 2, 0.5), shortRun = recorded("large", 3, 0.2);
+  const record::PictureSettings both = framesIn("both");
+  record::renderSeveral({longRun, shortRun}, both, proceed_);
+  EXPECT_FALSE(fs::exists(both.folder / "frames/frame_00006.png"));
+  const record::PictureSettings left = partIn("left", kNameHeight),
+                                right = partIn("right", kNameHeight);
+  record::render(longRun, left, proceed_);
+  record::render(shortRun, right, proceed_);
+  for (int k = 0; k <= 5; ++k) {
+    SCOPED_TRACE(k);
+    const picture::Frame frame = frameOf(both, k);
+    EXPECT_TRUE(partOf(frame, 0, left.size).pixels == frameOf(left, k).pixels);
+    // The shorter run stays at its end.
+    EXPECT_TRUE(partOf(frame, 160, right.size).pixels == frameOf(right, std::min(k, 2)).pixels);
+  }
+  EXPECT_FALSE(frameOf(left, 0).pixels == frameOf(left, 5).pixels);
+}
+
+TEST_F(FigureTest, AVideoOfRunsDoesNotDependOnThreads) {
+  const fs::path longRun = recorded("small", 2, 0.5), shortRun = recorded("large", 3, 0.2);
+  std::string first;
+  for (const int painters : {1, 3}) {
+    record::PictureSettings settings = framesIn("both");
+    settings.frames = false;
+    settings.video = true;
+    settings.painterCount = painters;
+    settings.inset = "radius";
+    settings.size = {640, 256};
+    EXPECT_EQ(record::renderSeveral({longRun, shortRun}, settings, proceed_).videoFrames, 6);
+    const std::string bytes = test::bytesOf(settings.folder / "deployment.mp4");
+    if (painters == 1) first = bytes;
+    EXPECT_TRUE(bytes == first);
+  }
+}
+
+/// Widths of the sheet in pixels: columns that are not white.
+int widthOf(const picture::Frame& frame, int left, int width, int height) {
+  int columns = 0;
+  for (int x = left; x < left + width; ++x) {
+    bool isWhite = true;
+    for (int y = 0; y < height; ++y) {
+      isWhite = isWhite && frame.at(x, y) == picture::Colour{255, 255, 255};
+    }
+    columns += isWhite ? 0 : 1;
+  }
+  return columns;
+}
+
+/// Closed sheets of 2 x 2 and 4 x 4 equal squares.
+TEST_F(FigureTest, AVideoOfRunsHasOneScaleIfRequested) {
+  const fs::path small = recorded("small", 2), large = recorded("large", 4);
+  for (const bool sameScale : {false, true}) {
+    record::PictureSettings settings = framesIn("both");
+    settings.sameScale = sameScale;
+    record::renderSeveral({small, large}, settings, proceed_);
+    const picture::Frame frame = frameOf(settings, 0);
+    const double ratio = static_cast<double>(widthOf(frame, 0, 160, 200 - kNameHeight)) /
+                         widthOf(frame, 160, 160, 200 - kNameHeight);
+    if (sameScale) {
+      EXPECT_NEAR(ratio, 0.5, 0.02);
+    } else {
+      EXPECT_GT(ratio, 0.8);
+    }
+  }
+}
+
+TEST_F(FigureTest, RunsOfOneModelHaveTheNamesOfTheirFolders) {
+  const fs::path first = recorded("sheet", 2, 0.5), second = recorded("sheet", 2, 0.2);
+  const trajectory::TrajectoryReader a(first), b(second);
+  const std::array<const trajectory::TrajectoryReader*, 2> runs = {&a, &b};
+  EXPECT_EQ(record::namesOf(runs, {first, second}),
+            (std::vector<std::string>{"sheet 2 0.5", "sheet 2 0.2"}));
 }
 
 }  // namespace

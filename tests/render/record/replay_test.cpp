@@ -32,14 +32,14 @@ class ReplayTest : public testing::Test {
     settings.pace = record::Pace::Real;
     settings.framesPerSecond = 1;
     settings.speed = step;
-    const std::vector<record::FrameMoment> moments =
-        record::videoMoments(record::motionOf(run), settings);
+    const std::vector<record::FilmedRun> runs = {
+        {run, record::videoMoments(record::motionOf(run), settings)}};
     std::vector<double> times;
     const record::ProgressObserver observer = [&](const record::Progress&) {
       return --observed > 0 ? record::Interruption() : "the test";
     };
-    record::replay(run, moments, observer, report_)([&](const record::SharedState& state) {
-      times.push_back(state->sample.time);
+    record::replay(runs, observer, report_)([&](const record::SharedStates& states) {
+      times.push_back(states->front().sample.time);
       return true;
     });
     return times;
@@ -66,6 +66,21 @@ TEST_F(ReplayTest, EndsWithTheLastSampleWhateverTheStep) {
   EXPECT_EQ(timesOfReplay(0.1).size(), 11U);
   EXPECT_EQ(timesOfReplay(5).size(), 2U);
   EXPECT_FALSE(report_.stoppedAt);
+}
+
+TEST_F(ReplayTest, AShorterRunStaysAtItsEnd) {
+  const trajectory::TrajectoryReader run(folder_ / "run.h5");
+  const std::vector<record::FilmedRun> runs = {{run, {{0}, {0.5}, {1}}}, {run, {{0}, {0.2}}}};
+  const record::ProgressObserver proceed = [](const record::Progress&) {
+    return record::Interruption();
+  };
+  std::vector<std::pair<double, double>> times;
+  record::replay(runs, proceed, report_)([&](const record::SharedStates& states) {
+    times.emplace_back(states->at(0).sample.time, states->at(1).sample.time);
+    return true;
+  });
+  EXPECT_THAT(times, testing::ElementsAre(testing::Pair(0, 0), testing::Pair(0.5, 0.2),
+                                          testing::Pair(1, 0.2)));
 }
 
 TEST_F(ReplayTest, StopsWhereTheObserverSaysSo) {
