@@ -358,8 +358,23 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
 
 }  // namespace
 
+namespace {
+
+/// The folders of a path that do not exist, the innermost first.
+std::vector<fs::path> missingFolders(fs::path folder) {
+  std::vector<fs::path> missing;
+  std::error_code ignored;
+  for (; !folder.empty() && !fs::exists(folder, ignored); folder = folder.parent_path()) {
+    missing.push_back(folder);
+  }
+  return missing;
+}
+
+}  // namespace
+
 FileSet::FileSet(fs::path folder, const char* record)
     : folder_(folder.empty() ? fs::path(".") : std::move(folder)),
+      made_(missingFolders(folder_)),
       stage_(folder_ / kUnfinished),
       record_(record),
       lock_((makeFolder(folder_), folder_)) {
@@ -377,6 +392,9 @@ FileSet::~FileSet() {
   // moved.
   const bool isWhole = !listedFiles(stage_ / record_).empty();
   if (!isWhole) clearStage(stage_);
+  // Removes only empty folders. Without any file, a run leaves nothing.
+  std::error_code ignored;
+  for (const fs::path& folder : made_) fs::remove(folder, ignored);
 }
 
 void FileSet::dropCheckpoint() const {

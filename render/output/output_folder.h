@@ -180,6 +180,7 @@ class FileSet {
 
  private:
   std::filesystem::path folder_;
+  std::vector<std::filesystem::path> made_;  // by this object, the innermost first
   std::filesystem::path stage_;
   const char* record_;
   FolderLock lock_;

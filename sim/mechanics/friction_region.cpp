@@ -1,12 +1,12 @@
 // Coulomb friction of a face under the pressure p is the sum over its area of mu p against the
-// direction of slip. Here it is a sum over a few points. A polygon is a fan of triangles about its
-// centroid c. On a triangle with the side x(t), -1 <= t <= 1, points are c + r (x(t) - c), and
-//   integral of f dA = A integral of f r dr dt.
-// Three points of Gauss and Jacobi for r are exact up to the fifth power. Along t one point at the
-// middle of the side does, or two of Gauss where sides are as long as a triangle's.
-// The distance from c, which a turn about c needs, is linear in r, but a root in t: distances are
-// scaled by the quotient of its exact mean and that of the points. With d the distance of the side
-// from c and u d the place on it, the exact integral of the distance over a triangle is
+// direction of slip. Here it is a sum over a few points. A polygon is cut from its centroid c to
+// the middles of its sides, so each corner has a quadrilateral
+//   x(s, t) = (1 - s)(1 - t) c + s (1 - t) m + s t (corner) + (1 - s) t n,      0 <= s, t <= 1,
+// with the middles m and n of the sides at the corner. Gauss' two places for s and t give 2 x 2
+// points with the shares |dx/ds x dx/dt| / 4. The distance from c, which a turn about c needs, is
+// no polynomial: distances are scaled by the quotient of its exact mean and that of the points.
+// With d the distance of a side from c and u d the place on it, the exact integral of the distance
+// over the triangle from c to the side is
 //   d^3 / 6 [u sqrt(1 + u^2) + asinh u].
 //
 // If the push is not at the centroid, the pressure is not even, and which one it is depends on how
@@ -26,12 +26,8 @@
 namespace kirireel::mechanics {
 namespace {
 
-constexpr std::array<double, 3> kRadii = {0.212340538239153, 0.5905331355592653,
-                                          0.9114120404872961};
-constexpr std::array<double, 3> kRadialShares = {0.13965395980290832, 0.4584822127191726,
-                                                 0.4018638274779191};
-const double kGauss = 1 / std::sqrt(3.0);
-constexpr std::size_t kFewSides = 3;  // up to which two points are taken along a side
+// Gauss' places on [0, 1].
+const std::array<double, 2> kPlaces = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
 // Hulls narrower than this part of their length are lines, shorter ones points.
 constexpr double kNarrow = 1e-9;
 // A region shrunk to less than this part is a point.
@@ -55,20 +51,20 @@ double distanceIntegral(const Polygon& polygon, const Vector3& normal, const Vec
 }
 
 /// The points of one convex polygon, their shares being areas.
-void appendFan(const Polygon& polygon, const Vector3& normal, const Vector3& centroid,
-               std::vector<RubbingPoint>& points) {
-  const bool isFine = polygon.size() <= kFewSides;
-  const std::vector<double> places =
-      isFine ? std::vector<double>{-kGauss, kGauss} : std::vector<double>{0};
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vector3 a = polygon[k] - centroid;
-    const Vector3 b = polygon[(k + 1) % polygon.size()] - centroid;
-    const double area = 0.5 * normal.dot(a.cross(b)) / static_cast<double>(places.size());
-    if (!(area > 0)) continue;
-    for (const double place : places) {
-      const Vector3 onSide = 0.5 * (1 - place) * a + 0.5 * (1 + place) * b;
-      for (std::size_t r = 0; r < kRadii.size(); ++r) {
-        points.push_back({centroid + kRadii[r] * onSide, kRadialShares[r] * area});
+void appendPoints(const Polygon& polygon, const Vector3& normal, const Vector3& centroid,
+                  std::vector<RubbingPoint>& points) {
+  const std::size_t count = polygon.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 corner = polygon[k] - centroid;
+    const Vector3 m = 0.5 * (corner + polygon[(k + count - 1) % count] - centroid);
+    const Vector3 n = 0.5 * (corner + polygon[(k + 1) % count] - centroid);
+    for (const double s : kPlaces) {
+      for (const double t : kPlaces) {
+        const Vector3 place = s * (1 - t) * m + s * t * corner + (1 - s) * t * n;
+        const Vector3 alongS = (1 - t) * m + t * (corner - n);
+        const Vector3 alongT = s * (corner - m) + (1 - s) * n;
+        const double area = 0.25 * normal.dot(alongS.cross(alongT));
+        if (area > 0) points.push_back({centroid + place, area});
       }
     }
   }
@@ -94,7 +90,9 @@ Polygon hullOf(const std::vector<Vector3>& points, const Vector3& normal, double
 std::vector<RubbingPoint> evenPressure(const std::vector<Polygon>& parts) {
   const Vector3 normal = model::tileNormal({parts.front()});
   std::vector<RubbingPoint> points;
-  for (const Polygon& part : parts) appendFan(part, normal, model::tileCentroid({part}), points);
+  for (const Polygon& part : parts) {
+    appendPoints(part, normal, model::tileCentroid({part}), points);
+  }
   double area = 0, distance = 0;
   Vector3 centroid = Vector3::Zero();
   for (const RubbingPoint& rubbing : points) {

@@ -15,7 +15,7 @@ struct RubbingPoint {
 
 /// Points for an even pressure on convex polygons in one plane that do not overlap. They have the
 /// centroid of the whole, and resist a turn about it just as the pressure does.
-/// O(corners): 3 points for each side of a polygon, 6 for each of a triangle.
+/// O(corners): 4 points for each.
 std::vector<RubbingPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
 
 /// Where a face rubs, whatever the place of its push.

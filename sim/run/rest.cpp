@@ -24,6 +24,20 @@ constexpr int kRestHalvings = 30;
 
 }  // namespace
 
+double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& motion) {
+  double fastest = 0;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Velocity& velocity = motion.velocities[i];
+    for (const std::vector<Vector3>* face : {&bricks[i].bottom, &bricks[i].top}) {
+      for (const Vector3& corner : *face) {
+        const Vector3 arm = motion.poses[i].rotation * corner;
+        fastest = std::max(fastest, (velocity.linear + velocity.angular.cross(arm)).norm());
+      }
+    }
+  }
+  return fastest;
+}
+
 double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize) {
   double fastest = 0;
   for (const Velocity& velocity : velocities) {

@@ -16,7 +16,10 @@ namespace kirireel::run {
 // ------------------------------------------------------------------------------------------------
 // Detection of rest.
 
-/// The speed of the fastest brick, m/s. Rotations count at the radius `tileSize` (metres).
+/// The speed of the fastest corner of a brick, m/s.
+double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& motion);
+
+/// A measure of the fastest brick's speed, m/s. Rotations count at the radius `tileSize` (metres).
 double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
 
 /// Detects rest: no brick is faster than the scene's settle speed. A run also rests if its steps

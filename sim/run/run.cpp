@@ -84,7 +84,7 @@ DeploymentResult Run::finish() {
     recorder_.takeSample();
   }
   advanceToEnd();
-  if (!ending_) end(reasons().late());
+  if (!ending_) end(reasons().late(time()));
   recorder_.takeLastSample();
   return result();
 }
@@ -448,14 +448,14 @@ RunEnding RunReasons::atRest(bool isTrial) const {
                                        lengthText(error, unit), isTrial ? "" : stopReason())};
 }
 
-RunEnding RunReasons::late() const {
-  const scene::StopRules& stop = bricks_.scene.stop;
-  const double speed = fastestSpeed(motion_.now().velocities, bricks_.tileSize);
-  const bool isSlow = speed < stop.settleSpeed * bricks_.size;
-  std::string text = fmt::format(
-      "{} after {:.4g} s", isSlow ? "not known to be at rest" : "still moving", stop.duration);
+RunEnding RunReasons::late(double time) const {
+  const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
+  const bool isSlow = fastestSpeed(motion_.now().velocities, bricks_.tileSize) < limit;
+  std::string text =
+      fmt::format("{} after {:.4g} s", isSlow ? "not known to be at rest" : "still moving", time);
   const LengthUnit& unit = bricks_.scene.model.unit;
-  text += fmt::format(", at {}/s at most", lengthText(speed, unit, 2));
+  text += fmt::format(", at {}/s at most",
+                      lengthText(fastestCorner(bricks_.bricks, motion_.now()), unit, 2));
   if (target_.isPulledTo()) {
     text += fmt::format(", {} from the target", lengthText(target_.error(motion_.poses()), unit));
   }

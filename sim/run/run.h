@@ -35,8 +35,8 @@ class RunReasons {
   /// For bricks at rest: settled, or locked before the target. Unless `isTrial`, it also determines
   /// the cause, which costs up to one factorisation.
   RunEnding atRest(bool isTrial) const;
-  /// For a run that reached its maximum duration.
-  RunEnding late() const;
+  /// For a run that reached its maximum duration. `time`: its end, seconds.
+  RunEnding late(double time) const;
 
  private:
   std::string stopReason() const;

@@ -130,7 +130,9 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
 
 namespace {
 
-// Forces balance if the residual on each brick is below this fraction of the largest force.
+// Forces balance if the residual on each brick is below this fraction of the largest applied force
+// or inertia. Forces of joints and contacts do not count: bricks can press each other with any
+// force.
 constexpr double kImbalance = 0.05;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -237,22 +239,22 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
 }
 
 /// Whether joints, contacts and applied forces give each free brick its acceleration in the last
-/// step, up to kImbalance of the largest force on any brick. `largest`: of contact and applied
-/// forces, newtons. Contact forces are those at the end of the last step, which may differ from
-/// those of the whole step.
+/// step, up to kImbalance. `largest`: of applied forces without contacts, newtons. Contact forces
+/// are those at the end of the last step, which may differ from those of the whole step.
 bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
                               std::span<const Vector6> applied, double largest,
                               const Poses& poses) const {
   std::vector<Vector3> rest;
   double worst = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    rest.emplace_back(applied[i].head<3>() - bricks_.bricks[i].mass * account_.accelerations[i]);
+    const Vector3 inertia = bricks_.bricks[i].mass * account_.accelerations[i];
+    rest.emplace_back(applied[i].head<3>() - inertia);
+    largest = std::max(largest, inertia.norm());
   }
   const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
   for (std::size_t p = 0; p < pivots.size(); ++p) {
     rest[static_cast<std::size_t>(pivots[p].brickA)] += reactions.pivotForces[p];
     rest[static_cast<std::size_t>(pivots[p].brickB)] -= reactions.pivotForces[p];
-    largest = std::max(largest, reactions.pivotForces[p].norm());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (acting_.pinned()[i]) continue;
@@ -277,9 +279,7 @@ trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double
   double largest = 0;
   for (const Vector6& force : applied) largest = std::max(largest, force.head<3>().norm());
   for (const trajectory::Hold& hold : holds) {
-    if (!isContact(hold)) continue;
-    apply(hold, motion.poses, applied);
-    largest = std::max(largest, hold.force.norm());
+    if (isContact(hold)) apply(hold, motion.poses, applied);
   }
   const double stiffness = acting_.jointStiffness();
   const mechanics::Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
