@@ -296,7 +296,7 @@ std::vector<int> countedFrom(std::size_t first, std::size_t count) {
 }
 
 SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
-  if (choice != SetChoice::Usual) return choice;
+  if (choice != SetChoice::Auto) return choice;
   return tiles <= kMostTilesWithSets ? SetChoice::All : SetChoice::None;
 }
 

@@ -964,7 +964,7 @@ class FrontalElimination {
   }
 
  private:
-  /// What a front leaves for its parent.
+  /// The contribution of a front to its parent.
   struct Remainder {
     Eigen::MatrixXd equations;
     std::vector<FreeColumn> delayed;  ///< of its first columns
