@@ -48,7 +48,7 @@ Pose at(double x, double y, double z) {
 }
 
 TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
-  // Bricks that come near each other in one of two finders alone.
+  // Bricks that come near each other in only one of two finders.
   const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Poses far = {at(0, 0, 0), at(50, 0, 0)};
   const scene::Environment environment = around(scene::ContactFilter::All);
@@ -61,7 +61,7 @@ TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
 }
 
 TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
-  // Flat through flat, and side through side, whatever way they lie in the world.
+  // Flat through flat, and side through side, for any rotation in the world.
   Chance chance(1);
   const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Pose besides = at(1.01, 0.2, 0), above = at(0.3, 0.2, 0.01);
@@ -142,14 +142,14 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
     fallen.position.z() -= 0.01;
     std::vector<Vector3> lower = bricks[0].bottom, upper;
     for (const Vector3& point : bricks[1].bottom) upper.push_back(above.apply(point));
-    const std::vector<Vector3> wanted = overlapOf(upper, lower);
+    const std::vector<Vector3> expected = overlapOf(upper, lower);
     const Poses start = {world, moved(world, above)}, end = {world, moved(world, fallen)};
     const Found found = look(bricks, start, end);
-    if (wanted.size() < 3) {
+    if (expected.size() < 3) {
       EXPECT_TRUE(found.contacts.empty());
       continue;
     }
-    ASSERT_EQ(found.contacts.size(), wanted.size());
+    ASSERT_EQ(found.contacts.size(), expected.size());
     for (const model::Contact& contact : found.contacts) {
       EXPECT_TRUE(contact.isRegion);
       crossings += contact.isEdge ? 1 : 0;
@@ -157,7 +157,7 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
       const Vector3 point =
           world.rotation.conjugate() * (model::contactPoints(contact, start).onA - world.position);
       double nearest = 1;
-      for (const Vector3& corner : wanted) {
+      for (const Vector3& corner : expected) {
         nearest = std::min(nearest, (corner - point).head<2>().norm());
       }
       EXPECT_LT(nearest, 1e-12);
@@ -166,7 +166,7 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
   EXPECT_GT(crossings, 100);
 }
 
-TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
+TEST(ContactFinder, GivesNoContactsForSeparateBricks) {
   Chance chance(3);
   int near = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -268,7 +268,7 @@ TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
 TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
   // Joined at their bottom corners and 0.3 rad open, folded towards their tops about the line
   // through the pivot across the gap: whole bricks meet above the pivot at once, bricks without
-  // their corners when the fold has used up the gap beside them.
+  // their corners when the fold has closed the gap next to them.
   const JoinedPair pair(model::JointFace::Bottom);
   const Poses open = pair.opened(0.3);
   const Vector3 pivot = open[0].apply(pair.pivots[0].pointA);
@@ -459,8 +459,8 @@ TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
   }
 }
 
-/// A plate whose bottom stands at a height.
-Poses standing(const model::Brick& brick, double height) {
+/// A plate whose bottom is at a height.
+Poses plateAt(const model::Brick& brick, double height) {
   return {at(0, 0, height + 0.5 * brick.thickness)};
 }
 
@@ -468,10 +468,10 @@ TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{-1, 0.7};
-  const Poses start = standing(bricks[0], -0.99);
+  const Poses start = plateAt(bricks[0], -0.99);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
-  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
-  const Found found = look(finder, start, standing(bricks[0], -1.05));
+  EXPECT_TRUE(look(finder, start, plateAt(bricks[0], -1)).contacts.empty());
+  const Found found = look(finder, start, plateAt(bricks[0], -1.05));
   EXPECT_NEAR(found.overlap, 0.05, 1e-15);  // measured 4e-17
   ASSERT_EQ(found.contacts.size(), 8u);
   for (const model::Contact& contact : found.contacts) {
@@ -486,21 +486,21 @@ TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
   const std::vector<model::Brick> bricks = {test::plate(1e-3)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0.01);
+  const Poses start = plateAt(bricks[0], 0.01);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
-  EXPECT_EQ(look(finder, start, standing(bricks[0], -0.04)).contacts.size(), 8u);
+  EXPECT_EQ(look(finder, start, plateAt(bricks[0], -0.04)).contacts.size(), 8u);
 }
 
 TEST(ContactFinder, GivesTheGroundOnceInAStep) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0.01);
+  const Poses start = plateAt(bricks[0], 0.01);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   finder.startStep(start);
   std::vector<model::Contact> contacts;
   for (int round = 0; round < 3; ++round) {
-    EXPECT_GT(finder.appendViolated(standing(bricks[0], -0.05), contacts), 0.04);
+    EXPECT_GT(finder.appendViolated(plateAt(bricks[0], -0.05), contacts), 0.04);
     EXPECT_EQ(contacts.size(), 8u);
   }
 }
@@ -509,9 +509,9 @@ TEST(ContactFinder, APlanarSceneHasNoGroundToFallThrough) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0);
+  const Poses start = plateAt(bricks[0], 0);
   contacts::ContactFinder finder(bricks, start, {}, environment, true, kTolerance);
-  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
+  EXPECT_TRUE(look(finder, start, plateAt(bricks[0], -1)).contacts.empty());
 }
 
 }  // namespace

@@ -51,9 +51,9 @@ struct Falling : Moving {
   }
   /// How far the brick is from a place of its centre and a turn about y.
   double error(const Vector3& centre, double turn) const {
-    const Quaternion wanted = rotationFromVector(Vector3(0, turn, 0));
+    const Quaternion expected = rotationFromVector(Vector3(0, turn, 0));
     return (motion.poses[0].position - centre).norm() +
-           turnBetween(wanted, motion.poses[0].rotation).norm();
+           turnBetween(expected, motion.poses[0].rotation).norm();
   }
 
   StepReport report;

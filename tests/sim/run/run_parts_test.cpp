@@ -184,7 +184,7 @@ TEST(Timelines, AResetLeavesAnotherTargetBehind) {
   const auto& samples = run.trajectory.samples;
   EXPECT_GT((samples[1].poses[0].position - samples[0].poses[0].position).norm(), 0.01);
   const Poses& end = samples.back().poses;
-  // The nudge alone, undamped.
+  // Only the perturbation, undamped.
   EXPECT_LT((end[0].position - samples[0].poses[0].position).norm(), 1e-4);  // measured 1e-5
 }
 

@@ -67,7 +67,7 @@ TEST(Drives, BoundarySpringsOpenASheet) {
   EXPECT_GT(std::abs(turnOf(end[1]) - turnOf(end[0])) + 0.3, 1.3);  // measured 1.380
 }
 
-TEST(Drives, NoneLeavesTheSheetAlone) {
+TEST(Drives, NoneDoesNotMoveTheSheet) {
   scene::Scene scene = sheetScene();
   scene.actuation.drive = scene::Drive::None;
   scene.stop.duration = 1;
