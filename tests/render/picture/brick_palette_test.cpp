@@ -25,7 +25,7 @@ model::Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
   return tile;
 }
 
-/// A tessellation whose target stands 2 m above its start.
+/// A tessellation whose target is 2 m above its start.
 picture::PictureContent tessellationContent() {
   model::Model model = model::makeTessellation({});
   model.target = model.tiles;

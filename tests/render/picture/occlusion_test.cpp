@@ -52,7 +52,7 @@ TEST(Occluders, KeepAwayTheFormFactorOfARectangle) {
   EXPECT_NEAR(speckOcclusion({box({-2, -1, 0.5}, {2, 1, 0.6})}), 4 * cornerFactor(2, 1, 0.5), 1e-9);
 }
 
-// A wall that stands on the point's plane takes half of what its whole outline would.
+// A wall on the point's plane blocks half of the light that its whole outline would block.
 TEST(Occluders, AreCutAtTheHorizon) {
   const double whole = speckOcclusion({box({0.1, -1, 0}, {0.2, 1, 1})});
   const double below = speckOcclusion({box({0.1, -1, -1}, {0.2, 1, 1})});
@@ -90,7 +90,7 @@ TEST(Occluders, DoNotKnowTheAxes) {
     turned.push_back(faces.back());
     for (std::size_t i = 0; i < faces.back().size(); ++i) {
       for (std::size_t j = 0; j < faces.back()[i].size(); ++j) {
-        // Close together, so that they keep light from each other.
+        // Close together, so they block each other's light.
         Pose near = sample.poses[k];
         near.position *= 0.5;
         faces.back()[i][j] = near.apply(faces.back()[i][j]);

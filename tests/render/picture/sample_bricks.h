@@ -13,7 +13,7 @@ inline model::Tile rectangleTile(double x, double y, double width, double depth)
            Vector3(x, y + depth, 0)}};
 }
 
-/// Bricks and where they stand.
+/// Bricks and their poses.
 struct SampleBricks {
   std::vector<model::Brick> bricks;
   Poses poses;

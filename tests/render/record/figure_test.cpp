@@ -30,11 +30,11 @@ class FigureTest : public testing::Test {
   }
 
   record::PictureSettings settings() const {
-    record::PictureSettings wanted;
-    wanted.folder = folder_.path() / "figure";
-    wanted.size = {160, 120};
-    wanted.grid.columns = 3;
-    return wanted;
+    record::PictureSettings figure;
+    figure.folder = folder_.path() / "figure";
+    figure.size = {160, 120};
+    figure.grid.columns = 3;
+    return figure;
   }
 
   test::TemporaryFolder folder_;
@@ -43,10 +43,10 @@ class FigureTest : public testing::Test {
 TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
   const trajectory::TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&small, &large};
-  record::PictureSettings wanted = settings();
+  record::PictureSettings figure = settings();
   for (const bool sameScale : {true, false}) {
-    wanted.sameScale = sameScale;
-    const std::vector<record::PanelRow> rows = record::figureRows(runs, wanted);
+    figure.sameScale = sameScale;
+    const std::vector<record::PanelRow> rows = record::figureRows(runs, figure);
     ASSERT_EQ(rows.size(), 2);
     std::vector<double> scales;
     for (const record::PanelRow& row : rows) {
@@ -65,28 +65,28 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
 }
 
 TEST_F(FigureTest, LeavesPictureAndPages) {
-  record::PictureSettings wanted = settings();
-  wanted.gridWidth = 100;
-  wanted.fontPoints = 7;
-  wanted.dotsPerInch = 100;
-  wanted.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
-  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
-  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  record::PictureSettings figure = settings();
+  figure.gridWidth = 100;
+  figure.fontPoints = 7;
+  figure.dotsPerInch = 100;
+  figure.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
+  record::renderFigure({recorded("small", 2), recorded("large", 3)}, figure);
+  const std::string svg = test::bytesOf(figure.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::HasSubstr(">large<"));
   EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
   EXPECT_THAT(svg, testing::HasSubstr("model small, large"));
-  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.png"));
-  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.pdf"));
+  EXPECT_TRUE(fs::exists(figure.folder / "snapshots.png"));
+  EXPECT_TRUE(fs::exists(figure.folder / "snapshots.pdf"));
 }
 
 TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
-  record::PictureSettings wanted = settings();
-  wanted.sameScale = true;
-  wanted.look.camera.orbit = 1;
+  record::PictureSettings figure = settings();
+  figure.sameScale = true;
+  figure.look.camera.orbit = 1;
   const trajectory::TrajectoryReader run(recorded("small", 2));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&run, &run};
   try {
-    record::figureRows(runs, wanted);
+    record::figureRows(runs, figure);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -97,14 +97,14 @@ TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
 
 /// Rows have their own heights: a sheet of 1 x 4 squares needs half of that of 2 x 4 and less.
 TEST_F(FigureTest, GivesRowsTheirOwnHeightsAndBoldLetters) {
-  record::PictureSettings wanted = settings();
-  wanted.gridWidth = 100;
-  wanted.fontPoints = 7;
-  wanted.dotsPerInch = 150;
-  wanted.letters = picture::PanelLetters::Small;
-  wanted.pages = {picture::PageFormat::Svg};
-  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
-  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  record::PictureSettings figure = settings();
+  figure.gridWidth = 100;
+  figure.fontPoints = 7;
+  figure.dotsPerInch = 150;
+  figure.letters = picture::PanelLetters::Small;
+  figure.pages = {picture::PageFormat::Svg};
+  record::renderFigure({recorded("small", 2), recorded("large", 3)}, figure);
+  const std::string svg = test::bytesOf(figure.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">a</text>"));
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">b</text>"));
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr(">c</text>")));
