@@ -21,7 +21,7 @@ struct Figures {
   double least = 0;  ///< share of the motion between the ramps in a tenth of their time
   double most = 0;
   double gap = 0;        ///< largest in any frame, tiles
-  double sampleGap = 0;  ///< in any sample, likewise
+  double sampleGap = 0;  ///< in any sample, the same unit
 };
 
 Figures figuresOf(const trajectory::TrajectoryReader& run) {

@@ -1,4 +1,4 @@
-// Models that other people made, where they stand beside the repository; skipped where they do not.
+// Models of other people, if they are next to the repository. Skipped otherwise.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -92,7 +92,7 @@ def main():
             plain = Transformation("plain")
             plain.metres = 1.0
             try:
-                words, wanted = outcome(test_matrix.put(model, plain, folder), plain, os.path.join(folder, "out"))
+                words, expected = outcome(test_matrix.put(model, plain, folder), plain, os.path.join(folder, "out"))
             except Failure as failure:
                 print(f"{family}: left out: {failure}")
                 continue
@@ -102,7 +102,7 @@ def main():
                 tried += 1
                 try:
                     found, points = outcome(test_matrix.put(model, t, folder), t, os.path.join(folder, f"out{way}"))
-                    off = difference(points, wanted, t, model)
+                    off = difference(points, expected, t, model)
                     good = found == words and off <= BOUND
                     cell = f"{off:.1g}" + ("" if found == words else f", {found} instead of {words}")
                 except Failure as failure:

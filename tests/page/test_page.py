@@ -256,7 +256,7 @@ class LargePages(unittest.TestCase):
                 print("10,000 tiles: %.2f MB, first picture after %.2f s of CPU, a frame in %.0f ms "
                       "(median %.0f ms)" % (page.stat().st_size / 1e6, first, times[0], times[20]))
                 self.assertLess(first, 3)
-                # The least: other programs may run beside this.
+                # The minimum, because other programs may run at the same time.
                 self.assertLess(times[0], 50)
 
 

@@ -1,4 +1,4 @@
-"""Ctrl-C ends what runs, soon, and Python goes on as it was; other threads are not held up."""
+"""Ctrl-C ends a run soon, and Python continues. Other threads are not blocked."""
 
 import os
 import pathlib
