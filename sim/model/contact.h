@@ -151,9 +151,9 @@ class ContactSource {
   /// returned in this step. Returns the largest overlap at `end`, metres.
   virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
 
-  /// Whether a contact that carried load in the last step still is in force at the start of the
-  /// step, so that the step may begin with it: its point touches the other brick, or nothing else
-  /// keeps the bricks apart.
+  /// Whether a contact that carried load in the last step still holds at the start of the step. The
+  /// step may then begin with it. It holds if its point touches the other brick, or if no other
+  /// contact separates the bricks.
   virtual bool isCurrent(const Contact& contact) const = 0;
 
   /// Appends the corners that the region of a contact has at the start of the step; none if its

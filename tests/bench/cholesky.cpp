@@ -108,7 +108,7 @@ Eigen::SparseMatrix<double> lowerTriangle(const Blocks<D>& h) {
   return lower;
 }
 
-/// One way to factor and solve. Each call does all that a step pays: the values set, one
+/// One method to factor and solve. Each call does all that a step pays: the values set, one
 /// factorisation, one solve.
 struct Contender {
   std::string name;

@@ -3,9 +3,9 @@
 // found (without a target, the factor by which the tiles' squared distances from their centre
 // grew), how deep bricks overlapped beyond the start, the largest joint gap (where joints open,
 // also the least that the string method finds), the path's length over the one of the tiles' own
-// motions (where that is long, in how many ways the tiles can move), how far states are from the
-// symmetries that the model has, and CPU seconds: of the search, and of the run. Lengths are in
-// tiles. A row begins with "holds", or with what it misses:
+// motions (and the mobility of the tiles if it is long), how far states are from the symmetries
+// that the model has, and CPU seconds: of the search, and of the run. Lengths are in tiles. A row
+// begins with "holds", or with what it misses:
 //   far      it ends farther from the target than 1.05 x the least error found and 1e-6 tiles
 //   long     its path is longer than 1.5 x the tiles' own motions, and 5% longer than the least
 //            to which the string method shortens it: many mechanisms have no path of that length
@@ -80,7 +80,7 @@ double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajec
   return length / run::pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
-/// In how many ways the tiles can move at a part of the run, beyond moves of the whole.
+/// Mobility of the tiles at a fraction of the run, without rigid motions of the whole.
 int freedomsAt(const scene::Scene& scene, const trajectory::Trajectory& trajectory, double part) {
   const auto last = static_cast<double>(trajectory.samples.size() - 1);
   const trajectory::Sample& middle =

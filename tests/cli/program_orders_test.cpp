@@ -42,7 +42,7 @@ const std::vector<Choice> kChoices = {
     {"--duration", "0.02", "0.01", "stop"},
 };
 
-/// What a run is asked for, and how it is said.
+/// The request of a run.
 struct Request {
   fs::path model;
   std::map<std::string, std::string> options;  ///< without their hyphens and with their values
@@ -169,7 +169,7 @@ TEST_F(Orders, AreMadeAgainFromTheirSummaries) {
   EXPECT_THAT(summary["inputs"].dump(), testing::HasSubstr("rock.obj"));
 }
 
-/// Says the same in another way.
+/// Another spelling of the same request.
 class Respelling {
  public:
   Respelling(const Request& requested, const fs::path& folder,
@@ -239,7 +239,7 @@ class Respelling {
     return requested;
   }
 
-  /// A copy of the model, and another way to say its name.
+  /// A copy of the model, and another spelling of its path.
   Request elsewhere() const {
     Request requested = request_;
     const fs::path copy = folder_ / "copy" / ".." / "copy" / requested.model.filename();

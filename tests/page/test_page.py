@@ -24,7 +24,7 @@ def run_program(*words):
     assert end.returncode in (0, 3), end.stderr
 
 
-@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+@unittest.skipIf(browser.missing_tool(), "install %s to open pages" % browser.missing_tool())
 class Pages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -224,7 +224,7 @@ class Pages(unittest.TestCase):
             self.assertEqual(window.messages(), [])
 
 
-@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+@unittest.skipIf(browser.missing_tool(), "install %s to open pages" % browser.missing_tool())
 class LargePages(unittest.TestCase):
     """10,000 tiles in 200 states, drawn by software at 800 x 600."""
 

@@ -28,7 +28,7 @@ std::vector<Corners> box(const Vector3& least, const Vector3& most) {
   return faces;
 }
 
-/// A face that looks up and is so small that all its points see the same.
+/// A face that faces up and is so small that all its points have the same view.
 std::vector<Corners> speck() {
   return box({-1e-6, -1e-6, -1e-6}, {1e-6, 1e-6, 0});
 }
@@ -76,7 +76,7 @@ TEST(Occluders, LeaveAFlatSheetOpen) {
   for (int k = 0; k < 9; ++k) {
     EXPECT_EQ(occluders.occlusion(k, faces[k][1], Vector3::UnitZ()), 0);
   }
-  // The side that looks into a gap of its own height is dark, that at the border open.
+  // The side that faces a gap of its own height is dark, the side at the border is not.
   EXPECT_GT(occluders.occlusion(4, faces[4][2], -Vector3::UnitY()), 0.3);
   EXPECT_EQ(occluders.occlusion(0, faces[0][2], -Vector3::UnitY()), 0);
 }

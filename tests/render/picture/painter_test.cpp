@@ -560,9 +560,8 @@ TEST(Painter, SharesAThreadWithAnother) {
   EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
 }
 
-/// What picture_hash prints under these settings of the environment.
-/// Only where bricks may be is anything drawn and read: a plate that looks like the background
-/// makes that everywhere.
+/// What picture_hash prints under these settings of the environment. Only where bricks may be is
+/// anything drawn and read: a plate with the colour of the background makes that everywhere.
 TEST(Painter, LeavesOutNothingThatBricksTouch) {
   const SampleBricks sample = tumbledBricks();
   picture::Style bare;

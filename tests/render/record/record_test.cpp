@@ -180,7 +180,7 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
   EXPECT_EQ(summary.videoFrames, 3);
 }
 
-TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
+TEST_F(RecordTest, RefusesAnImpossibleStyleBeforeDeploying) {
   settings_.look.camera.keys = {{1, {}, 1}, {0, {}, 1}};
   int calls = 0;
   EXPECT_THROW(record::record(tessellationScene(), settings_,
@@ -192,7 +192,7 @@ TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
   EXPECT_EQ(calls, 0);
 }
 
-TEST_F(RecordTest, SaysInTheSummaryHowItLooks) {
+TEST_F(RecordTest, WritesItsStyleToTheSummary) {
   settings_.look.colouring = picture::Colouring::State;
   settings_.video = settings_.meshes = false;
   const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);

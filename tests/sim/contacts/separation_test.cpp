@@ -345,7 +345,7 @@ TEST(ContactRow, OfTheGroundIsTheGapsDerivative) {
   EXPECT_LT(rowError<6>(contact, poses), 1e-8);
 }
 
-/// Of the steady planes of two edges; the number of rows looked at.
+/// Checks the steady planes of two edges. Returns the number of checked rows.
 int expectEdgeRows(const Pair& pair) {
   int rows = 0;
   for (const contacts::SeparatingPlane& plane : edgePlanes(pair)) {

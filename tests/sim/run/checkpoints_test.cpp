@@ -301,7 +301,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   const fs::path folder = scratch / "checkpoint";
   {
     run::Checkpoints checkpoints(folder, "this order");
-    // The first look is over, the straight path has been tried; amid the next it is asked to end.
+    // The straight path has been tried. The interruption comes during the next check.
     int samplesGuided = 0;
     deploy::deployUnkept(
         scene, kInterval, [](const trajectory::Sample&) { return true; },

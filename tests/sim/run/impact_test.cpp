@@ -236,8 +236,8 @@ TEST(Impact, BrickSlidesToRest) {
       for (int call = 0; call < 60; ++call) {
         brick.advance();
         const double time = std::min(brick.time, end);
-        const double way = kSpeed * time - 0.5 * kFriction * kGravity * time * time;
-        error = std::max(error, brick.error(start + Vector3(way, 0, 0), 0));
+        const double moved = kSpeed * time - 0.5 * kFriction * kGravity * time * time;
+        error = std::max(error, brick.error(start + Vector3(moved, 0, 0), 0));
       }
       EXPECT_LT(error, 10 * tolerance) << tolerance;  // measured 0.015 to 0.19 times
       EXPECT_LT(brick.motion.velocities[0].linear.norm(), 1e-12);

@@ -219,7 +219,7 @@ PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
           static_cast<int>((values.array() < 0).count())};
 }
 
-// Steps that only look for any equilibrium jump to a branch of 450 times the energy here.
+// Steps that search for any equilibrium jump to a branch of 450 times the energy here.
 TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
   for (const double fold : {0.1, 0.02}) {
     const Waterbomb bomb(fold);

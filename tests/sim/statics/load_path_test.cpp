@@ -326,7 +326,7 @@ struct TurningTriangle {
   }
 };
 
-// The unit of bistable auxetic sheets of triangles: both states, the force on the whole way
+// The unit of bistable auxetic sheets of triangles: both states, the force along the whole path
 // between them, and where it snaps, against E = 3 k (l - l0)^2 / 2 with the law of cosines.
 TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
   const TurningTriangle unit;

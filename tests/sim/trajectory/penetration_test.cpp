@@ -353,7 +353,7 @@ TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
   EXPECT_FALSE(heap.seesAllPairs());
   EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
   EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
-  // In another order other pairs are looked at: what they had is not taken for new.
+  // In another order other pairs are checked. Their earlier overlap does not count as new.
   Poses moved = many;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
   EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);
