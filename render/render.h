@@ -1,5 +1,5 @@
-/// What other programs include to record runs: <kirireel/render.h> of the target kirireel::render.
-/// The promise of <kirireel/sim.h> holds for these headers too.
+/// The public header for recording runs: <kirireel/render.h> of the target kirireel::render. The
+/// promise of <kirireel/sim.h> holds for these headers too.
 #pragma once
 
 #include "render/picture/frame.h"

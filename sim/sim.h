@@ -1,6 +1,6 @@
-/// What other programs include to deploy models: <kirireel/sim.h> of the target kirireel::sim.
-/// Within a major version of the library what these headers declare stays as it is, or gains fields
-/// and arguments with defaults; what is not declared here may change with every version.
+/// The public header for deploying models: <kirireel/sim.h> of the target kirireel::sim. Within a
+/// major version of the library what these headers declare stays as it is, or gains fields and
+/// arguments with defaults; what is not declared here may change with every version.
 #pragma once
 
 #include "sim/base/error.h"

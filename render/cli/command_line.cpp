@@ -127,13 +127,14 @@ struct Command {
 };
 
 /// A command with its order, which its options write.
-template <typename Wanted>
-Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
-  const auto order = std::make_shared<Wanted>();
+template <typename OrderType>
+Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, OrderType&)) {
+  const auto order = std::make_shared<OrderType>();
   CLI::App* app = add(program, *order);
   // Both closures share the order, which lives as long as the list of commands.
   return {app, [app, order](const std::string& peerSpelling) -> Order {
-            if constexpr (std::is_same_v<Wanted, RecordOrder>) order->peerSpelling = peerSpelling;
+            if constexpr (std::is_same_v<OrderType, RecordOrder>)
+              order->peerSpelling = peerSpelling;
             completeOrder(*app, *order);
             return *order;
           }};
@@ -329,7 +330,7 @@ const std::map<std::string, std::string>& peerOptions() {
 const std::string kLike = "--like";
 const std::string kPeer = "pykirigami";
 
-/// Whether the argument at i, alone or with the next one, is "--like pykirigami".
+/// Whether the argument at i, by itself or with the next one, is "--like pykirigami".
 bool selectsPeer(const std::vector<std::string>& arguments, std::size_t i) {
   if (arguments[i] == kLike) return i + 1 < arguments.size() && arguments[i + 1] == kPeer;
   return arguments[i] == kLike + "=" + kPeer;

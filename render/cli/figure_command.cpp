@@ -31,7 +31,7 @@ constexpr const char* kPanel = "panel";
 constexpr const char* kCurves = "curves";
 constexpr const char* kColumn = "column";
 constexpr const char* kRun = "run";
-/// Of the options of every panel.
+/// Group of the options of every panel.
 constexpr const char* kPanelGroup = "Panel";
 /// States of a run in a panel.
 constexpr picture::GridShape kPanelGrid = {1, 3};

@@ -24,7 +24,7 @@ int complain(int exitCode, const std::string& message) {
   return exitCode;
 }
 
-/// What was printed may still wait in a buffer.
+/// Flushes the standard output, because printed text may still be in a buffer.
 void requirePrinted() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
   throw OutputError(
@@ -51,7 +51,7 @@ int runProgram(const std::vector<std::string>& arguments) {
   try {
     return carryOutOrder(arguments);
   } catch (const InputError& error) {
-    // A mistake of the user. The message says what to change.
+    // An error of the user. The message contains the correction.
     return complain(kExitInputWrong, error.what());
   } catch (const std::bad_alloc&) {
     // Caught before its base class std::exception, because its what() explains nothing.

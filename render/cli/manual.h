@@ -38,12 +38,12 @@ std::string fishCompletion(const CommandDescription& program);
 // Docstrings and type stubs of the Python module, made from the descriptions of the commands whose
 // options it takes.
 
-/// Options of `record` that a run in Python has not: where files go and how it reports, which its
-/// functions say, and how the model is read. Keys, with underscores.
+/// Options of `record` that a run in Python does not have: output folder, reports and the reading
+/// of the model, which are arguments of other functions. Keys, with underscores.
 const std::vector<std::string>& optionsNotForRuns();
 
-/// Options of `render` that a single picture has not: all but its size and library, its style and
-/// its camera. Keys, with underscores.
+/// Options of `render` that a single picture does not have: all except size, library, style and
+/// camera. Keys, with underscores.
 std::vector<std::string> optionsNotForPictures(const CommandDescription& program);
 
 /// Docstrings, with each option's unit and default. Groups and options come in the order of the

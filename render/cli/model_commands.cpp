@@ -182,7 +182,8 @@ model::Model readOrPaintFault(const InspectOrder& order) {
   }
 }
 
-/// Of a drawing, the lines that are not cut. A target moves the start away from its drawing.
+/// The lines of a drawing that are not cut. Null with a target, which moves the start away from its
+/// drawing.
 std::optional<std::vector<model::DrawnPath>> ignoredLines(const InspectOrder& order,
                                                           const model::Model& model) {
   const std::filesystem::path file = findModel(order.model);

@@ -167,9 +167,9 @@ std::filesystem::path besideModel(const std::filesystem::path& file,
                                   const std::filesystem::path& model) {
   if (file.empty() || model.empty() || std::filesystem::exists(file)) return file;
   const std::filesystem::path place = findModel(model);
-  const std::filesystem::path beside =
+  const std::filesystem::path inFolder =
       (std::filesystem::is_directory(place) ? place : place.parent_path()) / file;
-  return std::filesystem::exists(beside) ? beside : file;
+  return std::filesystem::exists(inFolder) ? inFolder : file;
 }
 
 }  // namespace

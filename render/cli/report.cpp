@@ -110,8 +110,8 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
   const run::DeployCost& cost = summary.deployCost;
   scene::Scene run = scene;
   run.path = summary.path;
-  const bool isWalked = summary.path.kind == scene::PathKind::Continuation;
-  if (isWalked || !scene.grips.empty() || !run::keepsTolerance(run)) {
+  const bool isContinuation = summary.path.kind == scene::PathKind::Continuation;
+  if (isContinuation || !scene.grips.empty() || !run::keepsTolerance(run)) {
     return summary.path.kind == scene::PathKind::Guided
                ? "time: critically damped springs guide the tiles in fixed steps, without a "
                  "tolerance\n"
@@ -321,10 +321,10 @@ std::string describeMotion(const record::RunSummary& summary, double tile) {
                      : summary.path.kind == scene::PathKind::Continuation ? "kinematic path"
                      : summary.path.kind == scene::PathKind::Guided       ? "guided by springs"
                                                                           : "dynamics";
-  const bool isClear = summary.accuracy.penetrationGrownMax <= run::kClearShare * tile;
+  const bool isCollisionFree = summary.accuracy.penetrationGrownMax <= run::kClearShare * tile;
   return fmt::format("{}, {}", path,
                      summary.needs.contacts.on ? "contacts on"
-                     : isClear                 ? "no collisions"
+                     : isCollisionFree         ? "no collisions"
                                                : "contacts off");
 }
 

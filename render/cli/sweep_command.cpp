@@ -48,7 +48,7 @@ constexpr double kBytesInMegabyte = 1e6;
 // In each run's folder: its printed text, mainly warnings.
 constexpr const char* kMessages = "messages.txt";
 
-/// Of the contact sheet. Takes half the time of zlib's default level for a third more bytes.
+/// Compression level of the contact sheet: half the time of zlib's default for a third more bytes.
 constexpr int kSheetCompression = 3;
 
 /// hardware_concurrency() is 0 if it is unknown.

@@ -63,7 +63,7 @@ class SweepRuns {
   /// the same key. Throws InputError with file:line:column, suggesting the nearest key.
   explicit SweepRuns(sweep::Sweep sweep);
 
-  /// The plan as read.
+  /// The plan in the file.
   const sweep::Sweep& sweep() const { return sweep_; }
 
   /// All settings of a run: the family, then the common settings and its own parameters by key.
@@ -74,14 +74,14 @@ class SweepRuns {
   /// simulate` (or `record`), and of its files.
   std::string name(std::uint64_t index) const;
 
-  /// Does the run in a folder. Throws as a run.
+  /// Does the run in a folder. Throws the errors of runs.
   void make(std::uint64_t index, const std::filesystem::path& folder) const;
 
  private:
   std::vector<sweep::SweepSetting> settings(std::uint64_t index) const;
 
   sweep::Sweep sweep_;
-  mutable std::map<std::string, OrderInputs> inputs_;  ///< of the files that runs name
+  mutable std::map<std::string, OrderInputs> inputs_;  ///< of the runs' input files
 };
 
 }  // namespace kirireel::cli

@@ -777,7 +777,7 @@ std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajec
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
   output::FileSet files(folder, output::kContents);
-  // Before writing anything: refuse names of files from elsewhere.
+  // Before writing anything: refuse names of files that Kirireel did not write.
   files.requireFree([&](const std::string& name) {
     return name == output::kContents || isExported(name, settings);
   });
@@ -817,7 +817,7 @@ std::optional<double> numberBefore(const std::string& text, const std::string& e
   return isWhole ? std::optional(number) : std::nullopt;
 }
 
-/// Of two equally near samples, the earlier one.
+/// The nearest sample; the earlier one of two equally near ones.
 std::size_t nearestSample(const std::vector<double>& times, double time) {
   // The first sample at or after the time.
   const auto later = std::ranges::lower_bound(times, time);

@@ -51,8 +51,8 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
 
 /// Writes all files or none to the folder and creates it if needed. Returns their names in order.
 /// contents.json lists them. Throws InputError for states that do not exist, for unknown, repeated
-/// or impossible formats, and for files from elsewhere in the way, see FileSet. Throws OutputError
-/// if a file cannot be written.
+/// or impossible formats, and if a file that Kirireel did not write has a name of the export, see
+/// FileSet. Throws OutputError if a file cannot be written.
 std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder);

@@ -90,7 +90,7 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
   const std::string stiffest = most > 1.0001 * least ? fmt::format(" to {:.4g}", most) : "";
   appendText(
       text,
-      "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
+      "** In the sheet's plane a neck next to a closed slit is a rotational spring of {:.4g}{} N "
       "m/rad\n** with E = {} Pa: {}.\n",
       least, stiffest, deckNumber(settings.material.youngs),
       length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
@@ -140,11 +140,10 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
   if (mesh.rule.joints == JointStyle::Patch) {
     appendText(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
     if (mesh.springs.empty()) return;
-    appendText(
-        text,
-        "** {} torsional springs stand between patches. They rest in this state; jobs add the "
-        "moments\n** that the run's springs have in it.\n",
-        mesh.springs.size());
+    appendText(text,
+               "** {} torsional springs connect patches. They rest in this state; jobs add the "
+               "moments\n** that the run's springs have in it.\n",
+               mesh.springs.size());
     return;
   }
   text +=
@@ -296,7 +295,7 @@ std::vector<int> countedFrom(std::size_t first, std::size_t count) {
 }
 
 SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
-  if (choice != SetChoice::Usual) return choice;
+  if (choice != SetChoice::Auto) return choice;
   return tiles <= kMostTilesWithSets ? SetChoice::All : SetChoice::None;
 }
 

@@ -26,7 +26,7 @@ enum class Solver { Calculix, Abaqus };
 
 /// Named sets of a deck in addition to those of the whole sheet and its boundary.
 enum class SetChoice {
-  Usual,   ///< All up to 1,000 tiles, else None: programs search every name linearly
+  Auto,    ///< All up to 1,000 tiles, else None: programs search every name linearly
   None,    ///< only the sets of the whole sheet and its boundary
   Joints,  ///< the nodes of each joint
   All,     ///< the joints' sets, and the nodes, faces and surfaces of each tile
@@ -73,7 +73,7 @@ struct DriveChoice {
 /// Options of decks.
 struct DeckSettings {
   Solver solver = Solver::Calculix;       ///< program whose keywords the deck uses
-  SetChoice sets = SetChoice::Usual;      ///< named sets of nodes and faces
+  SetChoice sets = SetChoice::Auto;       ///< named sets of nodes and faces
   Material material;                      ///< of all tiles
   DeckUnit unit = DeckUnit::Model;        ///< of all numbers
   DriveChoice drive;                      ///< of a second job that follows the deployment
@@ -310,7 +310,7 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
 /// slowly. Coordinates are bitwise exact except at shut slits, whose coinciding nodes are separated
 /// (separatedNodes), so no program merges them. Coordinates are in `unit`, not in a deck's unit.
 /// The text is built in memory.
-std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual,
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Auto,
                      const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------

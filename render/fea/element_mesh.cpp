@@ -225,7 +225,7 @@ double cornerVolume(const ElementMesh& mesh, const Element& element, int corner)
   return next.cross(previous).dot(up);
 }
 
-/// Of the bottom face; the top is a copy at the distance of the thickness.
+/// The longest edge of the bottom face. The top is a copy at the distance of the thickness.
 double longestEdge(const ElementMesh& mesh, const Element& element) {
   double longest = 0;
   for (int k = 0; k < 4; ++k) {

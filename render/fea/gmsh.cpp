@@ -422,13 +422,13 @@ Vector3 middleOf(const ElementMesh& mesh, const Element& element, int first) {
 /// The direction from a node into an element, in the plane of its tile.
 Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
   const Vector3 bottom = middleOf(mesh, element, 0);
-  Vector3 way = bottom - mesh.nodes[node];
+  Vector3 direction = bottom - mesh.nodes[node];
   if (mesh.rule.family == ElementFamily::Solid) {
     // Remove the component along the thickness.
     const Vector3 up = (middleOf(mesh, element, 4) - bottom).normalized();
-    way -= up.dot(way) * up;
+    direction -= up.dot(direction) * up;
   }
-  return way.normalized();
+  return direction.normalized();
 }
 
 }  // namespace
@@ -442,15 +442,15 @@ std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
     // coincide again.
     const std::vector<bool> moves = isAmongOthers(nodes, kOnePlace * size, pass > 0);
     if (std::ranges::find(moves, true) == moves.end()) break;
-    std::vector<Vector3> ways(nodes.size(), Vector3::Zero());
+    std::vector<Vector3> directions(nodes.size(), Vector3::Zero());
     for (const Element& element : mesh.elements) {
       for (int k = 0; k < nodeCount(mesh.rule); ++k) {
         const int node = element.nodes[k];
-        if (moves[node]) ways[node] += inwards(mesh, element, node);
+        if (moves[node]) directions[node] += inwards(mesh, element, node);
       }
     }
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      if (moves[k]) nodes[k] += kMove * size * ways[k].normalized();
+      if (moves[k]) nodes[k] += kMove * size * directions[k].normalized();
     }
   }
   return nodes;

@@ -328,10 +328,10 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
       "** The nodal forces are those of an even traction on the end's faces.\n"
       "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
       "by\n"
-      "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
-      "on\n"
-      "** which a linear static step gives huge displacements and no warning: look at the "
-      "largest |U|.\n"
+      "** one displacement, without strains elsewhere. With fewer supports the sheet is a "
+      "mechanism,\n"
+      "** and a linear static step gives huge displacements without a warning. Check the largest "
+      "|U|.\n"
       "** Replace material, supports and loads by yours. Its weight would be\n"
       "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
       held.supports.size(), rigid, held.supports.size() - rigid,
@@ -964,7 +964,7 @@ class FrontalElimination {
   }
 
  private:
-  /// What a front leaves for its parent.
+  /// The contribution of a front to its parent.
   struct Remainder {
     Eigen::MatrixXd equations;
     std::vector<FreeColumn> delayed;  ///< of its first columns

@@ -11,7 +11,8 @@ namespace kirireel::fea {
 
 /// A joint across the border of a cell: corner a coincides with corner b in another cell.
 struct BorderJoint {
-  model::Joint joint;         ///< corners a and b, both of tiles of the cell; face as its twins'
+  model::Joint joint;  ///< corners a and b, both of tiles of the cell; face: that of the same joint
+                       ///< inside the cell
   std::array<int, 2> cell{};  ///< of b's tile: displacement in periods; not both 0
 };
 
@@ -24,13 +25,14 @@ struct SheetLattice {
 };
 
 /// Finds the infinite sheet that has these tiles and joints as a cell: the translations that map
-/// the sheet to itself, and the joints that the border cuts. If the cell is not periodic within
-/// itself, its straight ends must match edge by edge, and corners that coincide in pairs are
-/// joined. The x axis is parallel or perpendicular to a period, as near as possible to the sheet's
-/// own (findEndEdges). Tiles and corners are zero-based, in messages they count from `countsFrom`.
+/// the sheet to itself, and the joints that the border cuts. If the pattern does not repeat inside
+/// the cell, its straight ends must match edge by edge, and pairs of coinciding corners are joined.
+/// The x axis is parallel or perpendicular to a period. Of these directions it is the nearest to
+/// the sheet's own (findEndEdges). Tiles and corners are zero-based, in messages they count from
+/// `countsFrom`.
 ///
 /// Throws InputError if the border is not periodic, with the edge at which it fails, or if the
-/// corners to join are ambiguous. Lengths agree to 1e-5 of the sheet's size. Costs the number of
+/// corners to join are ambiguous. Lengths agree to 1e-5 of the sheet's size. Cost: the number of
 /// translations between tiles times the number of tiles.
 SheetLattice findSheetLattice(const std::vector<std::vector<Vector3>>& tiles,
                               const std::vector<model::Joint>& joints, int countsFrom);

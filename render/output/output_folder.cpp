@@ -236,8 +236,8 @@ std::string difference(const fs::path& folder, const FileDigest& noted) {
 // A kill before step 4 leaves the old run complete. A kill after it leaves a record in
 // `.unfinished` that names all files. moveAll() skips files that are no longer there.
 //
-// Files from elsewhere are never changed. If a file in the way differs from an earlier record in
-// any byte (output_folder.h), the run is refused before anything moves.
+// Files that Kirireel did not write are never changed. If a file in the way differs from an earlier
+// record in any byte (output_folder.h), the run is refused before anything moves.
 
 namespace {
 
@@ -405,7 +405,7 @@ void FileSet::dropCheckpoint() const {
 void FileSet::requireFree(const std::function<bool(const std::string&)>& isRequested) const {
   const RecordedFiles left(folder_);
   std::vector<std::string> foreign;
-  const auto look = [&](const std::string& name, bool isFolder) {
+  const auto check = [&](const std::string& name, bool isFolder) {
     const bool isTaken = isRequested(name) && left.isForeign(name);
     if (isTaken || (isRequested(name + '/') && !isFolder)) foreign.push_back(name);
   };
@@ -414,10 +414,10 @@ void FileSet::requireFree(const std::function<bool(const std::string&)>& isReque
     const std::string name = entry.path().filename().string();
     const bool isFolder = !entry.is_symlink(ignored) && entry.is_directory(ignored);
     // Links count as files: their targets are not ours.
-    look(name, isFolder);
+    check(name, isFolder);
     if (!isFolder || name == kUnfinished) continue;
     for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), ignored)) {
-      look(name + '/' + inner.path().filename().string(), false);
+      check(name + '/' + inner.path().filename().string(), false);
     }
   }
   std::sort(foreign.begin(), foreign.end());

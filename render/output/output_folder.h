@@ -53,7 +53,7 @@ inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 /// All samples.
 inline constexpr const char* kTrajectory = "trajectory.h5";
-/// Of a run under grips: load, forces and displacements.
+/// Load, forces and displacements of a run under grips.
 inline constexpr const char* kLoadCurve = "load_curve.csv";
 /// Settings and results of the run.
 inline constexpr const char* kSummary = "summary.json";
@@ -148,11 +148,11 @@ std::string difference(const std::filesystem::path& folder, const FileDigest& no
 /// One set of new files. In any case the folder has either the old files or the new ones.
 class FileSet {
  public:
-  /// Creates the folder with its parents and locks it for this set. `record` is the file that
-  /// will list the others: summary.json replaces all files of earlier runs, contents.json
-  /// adds to them. Completes the moves of a killed program. Removes its incomplete files
-  /// except its checkpoint. Throws OutputError, and InputError if files from elsewhere are in
-  /// the way.
+  /// Creates the folder with its parents and locks it for this set. `record` is the file that will
+  /// list the others: summary.json replaces all files of earlier runs, contents.json adds to them.
+  /// Completes the moves of a killed program. Removes its incomplete files except its checkpoint.
+  /// Throws OutputError, and InputError if a move would overwrite a file that Kirireel did not
+  /// write.
   FileSet(std::filesystem::path folder, const char* record);
   /// Removes files that are not in place, except a checkpoint and a complete, unmoved set.
   ~FileSet();
@@ -170,8 +170,8 @@ class FileSet {
   void dropCheckpoint() const;
 
   /// Moves all files in the record's text into place. Throws InputError, and moves nothing, if
-  /// files from elsewhere have appeared there. Throws OutputError. `recordText` is sealed. The
-  /// listed files are in stage() or in place.
+  /// files that Kirireel did not write have appeared there. Throws OutputError. `recordText` is
+  /// sealed. The listed files are in stage() or in place.
   void commit(const std::string& recordText);
 
   /// The same for contents.json, which lists the existing and these files. Reads each new file

@@ -3,7 +3,7 @@ set(text "#include \"render/page/page.h\"\n\nnamespace kirireel::page {\n\n")
 string(APPEND text "std::string_view embeddedFile(std::string_view name) {\n")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)
-  # Hexadecimal digits, so that neither brackets nor semicolons of the file mean anything to CMake.
+  # Hexadecimal digits, because CMake interprets brackets and semicolons of the file.
   file(READ ${file} digits HEX)
   string(LENGTH "${digits}" length)
   math(EXPR bytes "${length} / 2")

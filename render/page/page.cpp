@@ -44,7 +44,7 @@ constexpr const char* kScripts[] = {"three.min.js", "OrbitControls.js", "packed.
                                     "drawing.js",   "stage.js",         "colouring.js", "curves.js",
                                     "player.js",    "page.js"};
 
-/// Of one file that goes into a page, bytes.
+/// Maximum size of one embedded file, bytes.
 constexpr std::uintmax_t kMostEmbedded = 1u << 30;
 
 using Words = std::vector<std::pair<std::string, std::string>>;
@@ -243,9 +243,9 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 
 namespace {
 
-/// Of each of the three pictures, pixels.
+/// Size of each of the three pictures, pixels.
 constexpr picture::FrameSize kStillSize{480, 360};
-// Of a colour map: odd, to include the middle.
+// Number of colours of a map: odd, to include the middle.
 constexpr int kShades = 129;
 constexpr std::array<double, 3> kStillShares = {0, 0.5, 1};
 
@@ -694,7 +694,7 @@ Json viewJson(const char* name, const picture::Look& look, const picture::Pictur
 }  // namespace
 
 Json camerasJson(const picture::Look& look, const picture::PictureContent& content) {
-  Json views = {viewJson("Usual", look, content)};
+  Json views = {viewJson("Default", look, content)};
   const std::pair<const char*, picture::ViewAngles> others[] = {
       {"Top", picture::kTopView},
       {"Front", picture::kFrontView},

@@ -59,7 +59,7 @@ struct Axes {
   Vector3 z = Vector3::UnitZ();
 };
 
-/// Of all vertices of some states.
+/// All vertices of some states.
 std::vector<Vector3> verticesOf(std::span<const Tiles> states) {
   std::vector<Vector3> points;
   for (const Tiles& tiles : states) {

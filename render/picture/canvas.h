@@ -19,7 +19,7 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // Pages of vector graphics.
 
-/// Of lengths on paper.
+/// Units of lengths on paper.
 inline constexpr double kMillimetresPerInch = 25.4;
 inline constexpr double kPointsPerInch = 72;
 
@@ -107,7 +107,7 @@ class Canvas : public Surface {
   /// without a gap.
   virtual void outlines(const std::vector<Points>& lines, Line kind, bool pale = false,
                         double opacity = 1) = 0;
-  /// Of outlines in the innermost open part, pixels.
+  /// Width of silhouettes in the innermost open part, pixels.
   virtual double silhouetteWidth() const = 0;
 
   /// Lines of a width in pixels, each through two points or more.

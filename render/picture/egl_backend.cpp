@@ -37,7 +37,7 @@ class EglBackend : public Backend {
   }
 
   bool makeCurrent() override {
-    // What OpenGL means is remembered by each thread.
+    // The bound API (OpenGL or OpenGL ES) is a state of each thread.
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
     if (eglGetCurrentContext() == context_) return true;
     return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE;

@@ -64,7 +64,7 @@ void drawHead(Surface& surface, PanelLetters form, int number, const std::string
 struct GridRow {
   FrameSize picture;  ///< of each of its pictures, at most as wide as a cell
   std::string head;   ///< over the row, UTF-8
-  /// Of its pictures, if rows have their own scales: its header has a bar of a round length.
+  /// Scale of its pictures, if rows have their own scales: a bar in its header.
   std::optional<PictureScale> scale;
 };
 
@@ -86,7 +86,7 @@ struct GridStyle {
   std::optional<ColourScale> colourScale;
   /// The same if colours show kinds of bricks.
   std::vector<LegendEntry> legend;
-  /// Of all pictures: if present, a bar of a round length is drawn below them.
+  /// Scale of all pictures: if present, a bar of a round length is below them.
   std::optional<PictureScale> scale;
 };
 
@@ -105,7 +105,7 @@ struct GridLayout {
   int rowHeadHeight = 0;        ///< strip above each row with its header
   std::vector<FrameSize> rows;  ///< of the pictures of each row, if they differ
 
-  /// Of the pictures of a row.
+  /// Size of the pictures of a row.
   FrameSize pictureOf(int row) const { return rows.empty() ? picture : rows[row]; }
   /// Left edge of a column of cells.
   int left(int column) const { return gap + column * (picture.width + columnGap); }

@@ -48,7 +48,7 @@ class Painter {
   /// The picture of only the bricks at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);
 
-  /// Of its pictures, pixels.
+  /// Size of its pictures, pixels.
   FrameSize size() const;
 
  private:

@@ -151,7 +151,7 @@ class GeometryBuilder {
   /// The corners of all bricks' faces in world axes, brick by brick.
   using PlacedFaces = std::vector<std::vector<std::vector<Vector3>>>;
 
-  /// Of each brick, including those that are not drawn.
+  /// Colours of each brick, including those that are not drawn.
   std::vector<BrickColours> coloursOf(const PictureItems& items) const;
   /// Without bricks that are not drawn.
   PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;

@@ -642,7 +642,7 @@ double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
-/// Of the points' bounding box.
+/// The diagonal of the points' bounding box.
 double diagonal(const std::vector<Vector3>& points) {
   Eigen::AlignedBox3d box;
   for (const Vector3& point : points) box.extend(point);

@@ -64,7 +64,7 @@ inline constexpr std::array<std::pair<const char*, GroundLook>, 4> kGroundLooks{
      {"shadow", GroundLook::Shadow},
      {"none", GroundLook::None}}};
 
-/// What the camera keeps in view.
+/// The states that the camera keeps in view.
 enum class FitScope {
   Auto,  ///< Ends, or Run if there is no target or Ends would cut something off
   Run,   ///< the start, the target and all states between them
@@ -120,10 +120,10 @@ struct Look {
   std::optional<double> colourLeast, colourMost;
   std::optional<Colour> brickColour;  ///< of all bricks, for Colouring::Plain
   std::optional<Colour> backColour;   ///< the same for the tile's face
-  /// Of single tiles, if colours show no measure. For one tile, the last entry counts.
+  /// Colours of single tiles, if colours show no measure. The last entry of a tile counts.
   std::vector<TileColour> tileColours;
   double opacity = 1;  ///< of all bricks, 0 (not drawn) to 1
-  /// Of single tiles, with any colouring. For one tile, the last entry counts.
+  /// Opacities of single tiles, with any colouring. The last entry of a tile counts.
   std::vector<TileOpacity> tileOpacities;
   std::optional<Colour> outlineColour;  ///< absent: the theme's
   std::optional<Colour> background;     ///< absent: the theme's
@@ -224,7 +224,7 @@ struct PictureContent {
   std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
   std::optional<double> groundHeight;  ///< z of the scene's ground, if it has one, metres
   std::vector<model::Tile> obstacles;  ///< faces of fixed obstacles, world axes
-  /// Of the model, metres; infinity if bricks are shown at any distance.
+  /// Size of the model, metres; infinity if bricks are shown at any distance.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< points that cameras keep in view, world axes
   /// Selected for the motion if the look has an automatic view; absent: by the points.
@@ -362,7 +362,7 @@ class PictureSetup {
   const PictureContent& content() const { return content_; }
   /// The style of the pictures.
   const Style& style() const { return style_; }
-  /// Of each picture without the strip below it, pixels.
+  /// Size of each picture without the strip below it, pixels.
   FrameSize pictureSize() const { return size_; }
 
   /// The scale of the bricks' colours if they show a measure.

@@ -396,7 +396,7 @@ constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
 /// Height of a diagram as a fraction of its width.
 constexpr double kAspect = 0.5;
-/// Of dashed lines, em.
+/// Lengths of dashes and gaps of dashed lines, em.
 constexpr double kDash = 0.5;
 constexpr double kGap = 0.3;
 

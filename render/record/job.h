@@ -106,7 +106,7 @@ struct PictureSettings {
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
   /// Seconds for which the video holds its first and last frame.
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
-  /// Of the grid, if it has a width in print.
+  /// Resolution of the grid, if it has a width in print.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
   /// The captions of the grid's pictures.
   picture::CaptionParts captionParts() const {

@@ -26,7 +26,7 @@ class MotionCurve {
 
   /// End of the run, simulated seconds.
   double endTime() const { return times_.back(); }
-  /// Of the whole path, metres.
+  /// Length of the whole path, metres.
   double length() const { return lengths_.back(); }
   /// The completed fraction of the path at a time, [0, 1]; always 1 without motion.
   double shareAt(double time) const;

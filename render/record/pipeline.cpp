@@ -69,7 +69,7 @@ void ThreadedTrajectoryWriter::finish(const trajectory::TrajectoryEnd& end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// What parts of a run cost.
+// The cost of parts of a run.
 
 std::int64_t peakMemoryBytes() {
   rusage usage{};

@@ -748,7 +748,7 @@ double PanelSheet::enlargement(const std::vector<Cut>& cuts, double requested) c
   return factor;
 }
 
-/// Of a sheet with a width in print.
+/// Resolution of a sheet with a width in print.
 double PanelSheet::pixelsPerInch(const picture::GridLayout& layout) const {
   return layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
 }

@@ -429,7 +429,7 @@ class StatePicture {
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
       const Vector3 middle = middleOf(tiles_[i]);
       const double pixels = apparentSize(tiles_[i], towardsEye);
-      if (sight.isClear(middle, i)) {
+      if (sight.isVisible(middle, i)) {
         write(fmt::format("{}", order_.countsFrom + i), middle,
               std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
       }
@@ -437,7 +437,7 @@ class StatePicture {
       for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
         const Vector3& vertex = tiles_[i].vertices[k];
         const Vector3 inside = vertex + 0.22 * (middleBy(tiles_[i], static_cast<int>(k)) - vertex);
-        if (!sight.isClear(inside, i)) continue;
+        if (!sight.isVisible(inside, i)) continue;
         // The reader may have reversed the tile's vertices; the printed number is the file's.
         const int inFile = order_.across({static_cast<int>(i), static_cast<int>(k)}, tiles_).vertex;
         write(fmt::format("{}", order_.countsFrom + inFile), inside,
@@ -553,7 +553,7 @@ LineOfSight::LineOfSight(const std::vector<model::Tile>& tiles, const Vector3& t
   }
 }
 
-bool LineOfSight::isClear(const Vector3& point, std::size_t tile) const {
+bool LineOfSight::isVisible(const Vector3& point, std::size_t tile) const {
   for (std::size_t k = 0; k < screens_.size(); ++k) {
     if (k != tile && hides(screens_[k], point)) return false;
   }

@@ -105,7 +105,7 @@ class LineOfSight {
 
   /// Whether no other tile is between the eye and this point of a tile; metres, world axes. `tile`
   /// is the number of the point's own tile, which never hides it.
-  bool isClear(const Vector3& point, std::size_t tile) const;
+  bool isVisible(const Vector3& point, std::size_t tile) const;
 
  private:
   struct Screen {

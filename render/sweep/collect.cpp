@@ -436,7 +436,7 @@ namespace {
 /// Pixels. A hundred of them make a page of 3200 x 2400 plus captions.
 constexpr picture::FrameSize kPictureSize = {320, 240};
 
-/// Of a longer series, if not all pictures fit. Ten by ten pictures is kMostContacts.
+/// Pictures of a longer series, if not all fit. Ten by ten pictures is kMostContacts.
 constexpr std::size_t kMostOfSeries = 10;
 
 /// Rows may end with series if the ratio of the page's sides is at most this.

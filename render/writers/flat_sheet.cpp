@@ -149,7 +149,7 @@ class PatternMaker {
         first_(model.fileOrder.countsFrom),
         unit_(model.unit),
         width_(hingeWidth),
-        usualWidth_(kHingeOfTile * model::tileSize(model)),
+        defaultWidth_(kHingeOfTile * model::tileSize(model)),
         same_(kSameEdge * model::tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
@@ -166,7 +166,7 @@ class PatternMaker {
   void addHinge(const model::Joint& joint, std::size_t number) {
     requirePivot(joint, static_cast<std::size_t>(first_) + number);
     const CornerGap gap = narrowGap(tiles_, joint);
-    const double width = width_.value_or(joint.neck ? joint.neck.width : usualWidth_);
+    const double width = width_.value_or(joint.neck ? joint.neck.width : defaultWidth_);
     const double trim = width / std::cos(gap.angle / 2);
     const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
     const Vector2 ends[] = {middle + trim * directionFrom(tiles_, gap.first),
@@ -244,7 +244,7 @@ class PatternMaker {
   int first_;                    ///< number of tiles, edges and joints in messages
   LengthUnit unit_;              ///< of lengths in messages
   std::optional<double> width_;  ///< of all hinges
-  double usualWidth_;            ///< of joints without a neck
+  double defaultWidth_;          ///< of joints without a neck
   double widest_ = 0;            ///< of all hinges so far
   double same_;                  ///< metres within which points coincide
   Trims trims_;

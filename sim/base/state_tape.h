@@ -27,7 +27,7 @@ concept HasState = requires(Value& value, StateTape& tape) {
 ///
 ///     void Clock::transfer(StateTape& tape) { tape.transfer(hours_, minutes_); }
 ///
-/// What is played back is equal to the last bit; whole numbers must stay below 2^53.
+/// Playback is exact to the last bit. Whole numbers must be below 2^53.
 class StateTape {
  public:
   /// An empty tape for recording.

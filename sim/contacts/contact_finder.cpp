@@ -1,20 +1,19 @@
 // Contacts of all bricks in three stages.
 //
 // 1. The broad phase (contact_finder.h) lists pairs of convex pieces whose boxes overlap. Concave
-// bricks
-//    have several pieces; those of one brick never collide with each other.
-// 2. Each listed pair that may touch is examined as a `BrickPair`, or as a `SpherePair` where one
-//    of the two is a sphere. These remember, from step to step, what keeps the two apart.
-// 3. Bricks on the ground: a brick whose lowest vertex is below the ground gets a contact at each
-//    of its vertices, of which the solver holds those that push.
+//    bricks have several pieces, which never collide with each other.
+// 2. Each listed pair that may touch is checked as a `BrickPair`, or as a `SpherePair` if one of
+//    the two is a sphere. These store, from step to step, the features that separate the two.
+// 3. A brick whose lowest vertex is below the ground gets a contact at each of its vertices. The
+//    solver holds those that push.
 //
-// Within this file bodies are numbered: first the bricks, then the parts of obstacles. Pairs are
-// visited in the order of their numbers: contacts have the same order on every machine. A
-// contact that is given away has an obstacle's part in world axes and the obstacle's own number.
+// In this file bodies are numbered: first the bricks, then the parts of obstacles. Pairs are
+// visited in the order of their numbers, so contacts have the same order on every machine. Contacts
+// in the result have obstacle parts in world axes and the obstacle's own number.
 //
-// Bricks that share a corner are examined without that corner (pivotZone of an edge, see
-// model/contact.h): bricks joined on one face would else be stopped by the least fold, as the edges
-// at their joint already touch.
+// Bricks that share a corner are checked without that corner (pivotZone of an edge, see
+// model/contact.h). Otherwise bricks joined on one face could not fold at all, because the edges at
+// their joint already touch.
 #include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
@@ -55,7 +54,7 @@ std::vector<model::Brick> shapesOf(const std::vector<model::BrickPiece>& pieces)
 /// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
 struct ObstaclePart {
   model::Brick body;             ///< its shape; of a sphere the cube round it
-  Pose pose;                     ///< where it stays
+  Pose pose;                     ///< fixed
   std::optional<double> radius;  ///< of a sphere, metres
   double friction = 0;           ///< Coulomb coefficient
   int obstacle = 0;              ///< that it belongs to, >= 0
@@ -79,7 +78,7 @@ struct ContactBodies {
         pieces(model::convexPieces(bodies)),
         shapes(shapesOf(pieces)),
         firstPiece(bodies.size()) {
-    // Backwards: the first piece of each brick is what stays.
+    // Backwards, so the first piece of each brick remains.
     for (std::size_t k = pieces.size(); k-- > 0;) {
       firstPiece[pieces[k].brick] = static_cast<int>(k);
     }
@@ -89,7 +88,7 @@ struct ContactBodies {
   const ObstaclePart* partOf(int body) const {
     return body < brickCount ? nullptr : &parts[body - brickCount];
   }
-  /// Of all bodies, by those of the bricks: these themselves without obstacles, else `all`.
+  /// The poses of all bodies: those of the bricks if there are no obstacles, else `all`.
   const Poses& posesOf(const Poses& ofBricks, Poses& all) const {
     if (parts.empty()) return ofBricks;
     all = ofBricks;
@@ -130,7 +129,7 @@ model::Contact ContactBodies::given(model::Contact contact) const {
   return contact;
 }
 
-/// The same the other way.
+/// The inverse.
 model::Contact ContactBodies::betweenBodies(model::Contact contact) const {
   if (!model::isBrick(contact.brickA)) {
     const Pose& pose = parts[contact.partA].pose;
@@ -155,7 +154,7 @@ struct ContactFinder::Internals {
         near(bodies.shapes),
         wholeShapes(bodies.pieces.size()) {}
 
-  /// Of two pieces, the smaller number first.
+  /// The pair of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
   std::shared_ptr<const PieceShape> shapeOf(const model::Brick& piece) const;
   std::shared_ptr<const PieceShape> wholeShape(int piece);
@@ -190,14 +189,14 @@ struct ContactFinder::Internals {
   std::vector<BrickPair*> nearPairs;  // that are near now, in order of bricks
   std::unordered_map<Key, SpherePair> spheres;
   std::vector<SpherePair*> nearSpheres;
-  std::vector<BrickPair*> overlapping;  // that overlapped where the run began
-  std::vector<long> groundGiven;        // the step in which each brick's ground contacts were given
+  std::vector<BrickPair*> overlapping;  // that overlapped at the start of the run
+  std::vector<long> groundGiven;        // step of each brick's last ground contacts
 };
 
 BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const Key key = pairKey(a, b);
-  // Pairs are kept for the rest of the run, since what they remember is worth more than their
-  // memory.
+  // Pairs are kept for the rest of the run, because their stored planes save more time than their
+  // memory costs.
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
   const model::BrickPiece& pieceA = bodies.pieces[a];
@@ -264,7 +263,7 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
   return contacts == scene::ContactFilter::All && !corners->second.areOneTile;
 }
 
-// Takes notice of a move; the list of near pairs changes seldom.
+// Updates boxes for a move. The list of near pairs changes rarely.
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
   if (environment.contacts == scene::ContactFilter::None && bodies.parts.empty()) return;
   const bool areConvex = bodies.pieces.size() == bodies.bodies.size();
@@ -292,7 +291,7 @@ void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
   for (const auto& [key, pair] : pairs) known.push_back(piecesOf(key));
   tape.transfer(near, known);
-  // Playing back, pairOf() makes the pair again, and the tape fills in what it remembered.
+  // In playback, pairOf() makes the pair again, and the tape restores its state.
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
   if (tape.isPlaying()) listNearPairs();
 }
@@ -303,8 +302,8 @@ double ContactFinder::Internals::frictionWith(int a, int b) const {
   return part ? part->friction : environment.brickFriction;
 }
 
-/// The pair of a contact between bodies; null for a sphere, and for a pair that was never near
-/// here, as a contact that another finder gave may be of.
+/// The pair of a contact between bodies. Null for a sphere, and for a pair that was never near in
+/// this finder; the contact is from another finder then.
 BrickPair* ContactFinder::Internals::knownPair(const model::Contact& contact) {
   const auto [pieceA, pieceB] = std::minmax({bodies.firstPiece[contact.brickA] + contact.partA,
                                              bodies.firstPiece[contact.brickB] + contact.partB});
@@ -315,9 +314,9 @@ BrickPair* ContactFinder::Internals::knownPair(const model::Contact& contact) {
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
                                               std::vector<model::Contact>& contacts) {
   const double height = environment.ground->height;
-  // Heights in brick axes: one product for each vertex.
+  // Heights in brick axes: one product per vertex.
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
-  // Only the lowest vertex decides whether the brick is in the ground.
+  // The lowest vertex shows whether the brick is in the ground.
   double lowest = std::numeric_limits<double>::infinity();
   for (const std::vector<Vector3>* points :
        {&bodies.bodies[brick].bottom, &bodies.bodies[brick].top}) {
@@ -352,8 +351,8 @@ ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Pose
   in.updatePairs(in.start, in.start);
   for (BrickPair* pair : in.nearPairs) {
     checkInterruption();
-    // Flush bricks of rounded models overlap a little where the run begins. They may keep that, but
-    // an obstacle may not be entered at all.
+    // Flush bricks of rounded models overlap slightly at the start of the run. They may keep that,
+    // but obstacles allow no overlap.
     pair->keepOverlap(seenFrom(in.start[pair->a()], in.start[pair->b()]));
     if (pair->slack() > 0) in.overlapping.push_back(pair);
   }
@@ -433,8 +432,7 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
   if (given.brickB == model::kFixed) return true;
   const Internals& in = *internals_;
   const model::Contact contact = in.bodies.betweenBodies(given);
-  // The nearest points of a sphere's contact turn with the brick: they are found again in
-  // each step.
+  // The nearest points of a sphere's contact rotate with the brick. Each step finds them again.
   const BrickPair* pair = in.knownPair(contact);
   return pair && pair->isCurrent(contact, seenFrom(in.start[pair->a()], in.start[pair->b()]));
 }
@@ -467,25 +465,24 @@ double ContactFinder::insideBorders(const model::Contact& given, const Poses& of
 // ------------------------------------------------------------------------------------------------
 // The broad phase: which pairs of convex bodies may collide in a step.
 //
-// Each body has a box round its places at the start and at the end of a move, widened by a margin,
-// the same for all. While no body has moved by more than the margin from the place that its box was
-// made for, the list of pairs stays valid, and nothing is computed but a bound on each body's
-// motion:
+// Each body has a box around its positions at the start and at the end of a move, widened by the
+// same margin for all. The list of pairs is valid while no body has moved by more than the margin
+// since its box was made. Checking that needs only a bound on each body's motion:
 //   |p' - p| + 2 |q' - q| r
-// p and q position and unit quaternion, r the distance of the farthest point. Otherwise all boxes
-// are set again, and Bullet's dynamic bounding volume tree lists which of them overlap (O(n log n)
-// for n bodies that are spread out).
+// with the position p, the unit quaternion q and the distance r of the farthest point. Otherwise
+// all boxes are set again, and Bullet's dynamic bounding volume tree lists the overlapping ones
+// (O(n log n) for n bodies that are spread out).
 
 namespace {
 
-// Wider boxes give more pairs, narrower ones must be set more often.
+// Wider boxes give more pairs, narrower ones change more often.
 constexpr double kMarginOfRadius = 0.05;
 
 int number(const btBroadphaseProxy* proxy) {
   return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));
 }
 
-// By all corners of a brick at a pose.
+// The box of all corners of a brick at a pose.
 void extend(Eigen::AlignedBox3d& box, const model::Brick& brick, const Pose& pose) {
   for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
     for (const Vector3& point : *points) box.extend(pose.apply(point));
@@ -495,8 +492,8 @@ void extend(Eigen::AlignedBox3d& box, const model::Brick& brick, const Pose& pos
 }  // namespace
 
 double motionBound(const Pose& from, const Pose& to, double radius) {
-  // A turn by an angle moves points by at most 2 sin(angle / 2) radii, and the quaternions by
-  // 2 sin(angle / 4).
+  // A rotation by an angle moves points by at most 2 sin(angle / 2) radii, and the quaternions by 2
+  // sin(angle / 4).
   const double turned = (to.rotation.coeffs() - from.rotation.coeffs()).norm();
   return (to.position - from.position).norm() + 2 * turned * radius;
 }
@@ -524,7 +521,7 @@ struct NearPairs::Internals {
   const std::vector<model::Brick>& bricks;
   std::vector<double> radii;
   double margin = 0;
-  Poses boxedFrom;  // the move that boxes were made for; empty before the first call
+  Poses boxedFrom;  // the move of the boxes; empty before the first call
   Poses boxedTo;
   std::vector<Eigen::AlignedBox3d> boxes;
   btHashedOverlappingPairCache cache;
@@ -541,7 +538,7 @@ bool NearPairs::Internals::anyLeft(const Poses& poses) const {
   return false;
 }
 
-// From the two states of `boxedFrom` and `boxedTo`.
+// Makes boxes for `boxedFrom` and `boxedTo`.
 void NearPairs::Internals::setBoxes() {
   boxes.assign(bricks.size(), {});
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -564,13 +561,13 @@ void NearPairs::Internals::setBox(int brick, const Eigen::AlignedBox3d& box) {
     broadphase.setAabb(proxies[brick], low, high, nullptr);
     return;
   }
-  // The user pointer only has to carry the brick's number.
+  // The user pointer contains the brick's number.
   void* carried = reinterpret_cast<void*>(static_cast<std::intptr_t>(brick));
   proxies.push_back(broadphase.createProxy(low, high, BOX_SHAPE_PROXYTYPE, carried, 1, 1, nullptr));
 }
 
-/// Bullet's tree widens boxes that move, and forgets pairs late: which of those it has depends on
-/// all moves before. Ours depend only on the boxes.
+/// Bullet's tree widens moving boxes and removes pairs late, so its pairs depend on all earlier
+/// moves. These pairs depend only on the boxes.
 void NearPairs::Internals::listPairs() {
   broadphase.calculateOverlappingPairs(nullptr);
   pairs.clear();
@@ -579,7 +576,7 @@ void NearPairs::Internals::listPairs() {
     const auto [a, b] = std::minmax({number(found[i].m_pProxy0), number(found[i].m_pProxy1)});
     if (boxes[a].intersects(boxes[b])) pairs.emplace_back(a, b);
   }
-  // Bullet's order depends on the history of its tree, and the order of contacts on this one.
+  // Sorted, because Bullet's order depends on the history of its tree.
   std::sort(pairs.begin(), pairs.end());
 }
 
@@ -610,7 +607,7 @@ void NearPairs::transfer(StateTape& tape) {
   Internals& in = *internals_;
   tape.transfer(in.boxedFrom, in.boxedTo);
   if (!tape.isPlaying()) return;
-  // Recorded before the first update, there is no move to list pairs for.
+  // If recorded before the first update, there is no move with pairs.
   if (in.boxedTo.empty()) return in.pairs.clear();
   in.setBoxes();
 }
@@ -620,8 +617,8 @@ const std::vector<std::pair<int, int>>& NearPairs::pairs() const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Obstacles as bricks that stay where they are: a box is one brick, each face of a mesh a brick
-// without thickness, a sphere the cube round it, which the broad phase needs, with its radius.
+// Obstacles as fixed bricks. A box is one brick. Each face of a mesh is a brick without thickness.
+// A sphere is its bounding cube, for the broad phase, with its radius.
 
 namespace {
 
@@ -648,8 +645,8 @@ void append(const scene::Obstacle& obstacle, int number, std::vector<ObstaclePar
       return;
     case scene::Obstacle::Shape::Mesh:
       for (const model::Tile& face : scene::obstacleFaces(obstacle)) {
-        // A face without thickness keeps bricks off on the side from which they come: no plane that
-        // held on one side at the start holds on the other.
+        // A face without thickness works on both sides: no plane that held on one side at the start
+        // holds on the other.
         parts.push_back(makePart(face, 0, obstacle.friction, number));
       }
   }
@@ -668,26 +665,26 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obst
 // ------------------------------------------------------------------------------------------------
 // Whether two convex bricks may move from one relative pose to another in a step.
 //
-// Two convex bodies are apart where a plane separates them: one of a face of either, or one along
-// an edge of each (the separating axis theorem). A step is fine where one plane, carried along by
-// the feature that it belongs to, separates them at the start and at the end; or where one takes
-// over from the other along the screw motion between the poses. The plane of the last step is tried
-// first, and a pair is not examined before its bricks could have used up their distance: most pairs
-// cost a few comparisons a step.
+// Two disjoint convex bodies are separated by a plane of a face of either, or along an edge of each
+// (the separating axis theorem). A step is collision-free if one plane, which moves with its
+// feature, separates them at the start and at the end, or if one plane replaces another along the
+// screw motion between the poses. The plane of the last step is checked first. A pair is checked
+// only after its bricks could have moved by their distance, so most pairs cost a few comparisons
+// per step.
 //
-// Where no plane serves, the one that held at the start and is violated least at the end becomes
-// contacts: points of one brick that may not come through the plane of the other. Bricks that
-// overlap where a run begins may keep that overlap, and lose it as they come apart.
-// Gottschalk, Lin and Manocha, "OBBTree", 1996, for the axes; Mirtich, "V-Clip", 1998, for features
-// that are followed from step to step.
+// If no plane separates them, the plane that held at the start and is violated least at the end
+// gives contacts: points of one brick that must not cross the plane of the other. Bricks that
+// overlap at the start of a run may keep that overlap. The allowed overlap shrinks as they
+// separate. Gottschalk, Lin and Manocha, "OBBTree", 1996, for the axes; Mirtich, "V-Clip", 1998,
+// for features that are followed from step to step.
 //
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Overlaps left by a step are taken back bit by bit, and may meanwhile grow by this part of the
-// tolerance a step, up to so many tolerances.
+// Overlaps after a step are removed gradually. Meanwhile they may grow by the fraction kWorsening
+// of the tolerance per step, up to kWorst tolerances.
 constexpr double kWorsening = 0.1;
 constexpr double kWorst = 7;
 // Two planes whose normals agree to this cosine count as the same.
@@ -696,15 +693,15 @@ constexpr double kSameDirection = 0.999;
 // A point at most this far outside a face, in radii of a brick, still touches it.
 constexpr double kTouching = 1e-3;
 
-// How often the plane that keeps a pair apart may change within a step, and how finely the moment
-// of a change is sought.
+// Maximum changes of the separating plane of a pair within a step, and bisections for the moment of
+// each change.
 constexpr int kPlaneChanges = 4;
 constexpr int kTouchBisections = 20;
 // Below this angle the motion of a pair counts as straight, radians.
 constexpr double kNoTurn = 1e-9;
 
-/// A turn about an axis and an advance along it: bricks that share a pivot move against each other
-/// so, and the pivot stays where it is on the way.
+/// A rotation about an axis and a translation along it. It keeps a pivot that two bricks share
+/// fixed.
 struct Screw {
   Vector3 turn = Vector3::Zero();  // rotation vector
   Vector3 centre = Vector3::Zero();
@@ -728,8 +725,8 @@ Screw screwBetween(const Pose& from, const Pose& to) {
   return screw;
 }
 
-/// The pose a part of the way along a screw.
-Pose onTheWay(const Screw& screw, const Pose& from, double part) {
+/// The pose at a fraction of a screw motion.
+Pose poseAlong(const Screw& screw, const Pose& from, double part) {
   const Quaternion turn = rotationFromVector(part * screw.turn);
   return {screw.centre + part * screw.advance + turn * (from.position - screw.centre),
           turn * from.rotation};
@@ -767,24 +764,24 @@ BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<Separat
       clearance_(-kInfinity) {}
 
 void BrickPair::keepOverlap(const Pose& startOfB) {
-  // The largest separation over all planes is the distance of the two, or, where it is negative,
-  // minus the least depth.
+  // The largest separation over all planes is the distance of the two, or, if it is negative, minus
+  // the least depth.
   placeOutline(outlineB(), startOfB, scratch_.startB);
   slack_ = std::max(0.0, -bestSeparationAtStart());
 }
 
 void BrickPair::shrinkOverlap(const Pose& startOfB) {
   placeOutline(outlineB(), startOfB, scratch_.startB);
-  // What has come apart must not overlap again.
+  // Separated pairs must not overlap again.
   slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
 }
 
-/// Whether the pair cannot have used up the distance between its bricks since the last check.
+/// Whether the pair cannot have moved by the distance between its bricks since the last check.
 bool BrickPair::isSurelyApart(const PairMove& move) const {
-  // A bound on how far any point of B has moved: while it is below the last separation, no plane
-  // need be checked.
-  return motionBound(lookedAt_, move.start, radiusB_) < clearance_ &&
-         motionBound(lookedAt_, move.end, radiusB_) < clearance_;
+  // An upper bound on the displacement of B's points. While it is below the last separation, no
+  // plane is checked.
+  return motionBound(checkedPose_, move.start, radiusB_) < clearance_ &&
+         motionBound(checkedPose_, move.end, radiusB_) < clearance_;
 }
 
 double BrickPair::separationAtStart(const SeparatingPlane& plane) const {
@@ -802,19 +799,19 @@ double BrickPair::bestSeparationAtStart() const {
   return best;
 }
 
-// Whether the plane that kept the two apart in the last step does so at both ends of this one.
+// Whether the separating plane of the last step separates the two at both ends of this one.
 bool BrickPair::lastPlaneHolds() {
   const double after = separationAtEnd(last_);
   if (after < -tolerance_ - slack_) return false;
   if (separationAtStart(last_) < -tolerance_ - slack_) return false;
   // The separation along one plane is a lower bound of the distance.
-  lookedAt_ = scratch_.endB.pose;
+  checkedPose_ = scratch_.endB.pose;
   clearance_ = after;
   return true;
 }
 
-// From the cheapest test to the dearest: a bound on the motion, the last plane, all planes, planes
-// in turn.
+// From the cheapest test to the most expensive: a bound on the motion, the last plane, all planes,
+// changes of planes.
 double BrickPair::appendViolated(const PairMove& move, long step,
                                  std::vector<model::Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
@@ -823,14 +820,14 @@ double BrickPair::appendViolated(const PairMove& move, long step,
   if (lastPlaneHolds()) return 0;
   const double limit = -tolerance_ - slack_;
   const double bestBefore = bestSeparationAtStart();
-  // Planes that hold at the start: within the tolerance, or, of a pair that overlaps already, the
-  // best one.
+  // Planes that hold at the start: within the tolerance, or the best one if the pair already
+  // overlaps.
   const double held = std::min(limit, bestBefore);
   const double worsening = bestBefore > limit - kWorst * tolerance_ ? kWorsening * tolerance_ : 0;
-  // An overlap deeper than the tolerance may not grow but by a little, since a solver takes it back
-  // over several steps.
+  // An overlap above the tolerance may grow only slightly, since a solver removes it over several
+  // steps.
   const double requested = std::min(limit, bestBefore - worsening);
-  double bestAfter = -kInfinity;  // of the planes that held before
+  double bestAfter = -kInfinity;  // of the planes that held at the start
   for (const SeparatingPlane& plane : planes_) {
     // A plane that did not separate at the start proves nothing about the motion: B may have passed
     // through.
@@ -841,25 +838,25 @@ double BrickPair::appendViolated(const PairMove& move, long step,
     last_ = plane;
   }
   if (bestAfter >= requested) {
-    lookedAt_ = move.end;
+    checkedPose_ = move.end;
     clearance_ = bestAfter;
     return 0;
   }
-  // The dearest test comes last, and only for pairs that no single plane keeps apart.
-  if (keptApartInTurn(move)) return 0;
-  // No plane kept the pair apart.
+  // The most expensive test is only for pairs that no single plane separates.
+  if (isSeparatedInTurn(move)) return 0;
+  // No plane separates the pair.
   if (const SeparatingPlane* plane = planeToGive(step)) givePlane(*plane, contacts);
   return std::max(0.0, -bestAfter - slack_);
 }
 
-/// Whether the pair is kept apart by one plane after the other, as bricks that turn past a corner
-/// are: each plane must hold until the next one does. Overlaps from the start do not count here: a
-/// pair that may overlap by more than it is thick could hand over through itself.
-bool BrickPair::keptApartInTurn(const PairMove& move) const {
+/// Whether consecutive planes separate the pair, as for bricks that rotate around a corner: each
+/// plane must hold until the next one does. The allowed initial overlap is not used here: if it
+/// exceeds the thickness, the bricks could pass through each other.
+bool BrickPair::isSeparatedInTurn(const PairMove& move) const {
   const Screw screw = screwBetween(move.start, move.end);
-  PlacedOutline way = scratch_.startB;
+  PlacedOutline placedB = scratch_.startB;
   const auto holds = [&](const SeparatingPlane& plane) {
-    return separation(plane, placedA(), way) >= -tolerance_;
+    return separation(plane, placedA(), placedB) >= -tolerance_;
   };
   const auto ends = [&](const SeparatingPlane& plane) {
     return separationAtEnd(plane) >= -tolerance_;
@@ -869,23 +866,23 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
     std::vector<SeparatingPlane> holding;
     std::copy_if(planes_.begin(), planes_.end(), std::back_inserter(holding), holds);
     if (std::any_of(holding.begin(), holding.end(), ends)) return true;
-    // Bisect for the last moment to which one of them holds.
+    // Bisect for the last moment at which one of them holds.
     double lost = 1;
     const double from = reached;
     for (int round = 0; round < kTouchBisections; ++round) {
       const double part = 0.5 * (reached + lost);
-      placeOutline(outlineB(), onTheWay(screw, move.start, part), way);
+      placeOutline(outlineB(), poseAlong(screw, move.start, part), placedB);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
     }
-    // No plane separates them: the two collide.
+    // No plane separates them, so the two collide.
     if (reached == from) return false;
-    placeOutline(outlineB(), onTheWay(screw, move.start, reached), way);
+    placeOutline(outlineB(), poseAlong(screw, move.start, reached), placedB);
   }
   return false;
 }
 
-/// Of the steady planes that held best at the start and were not given yet, the one that is
-/// violated least at the end; null when there is none.
+/// The new steady plane that held best at the start and is violated least at the end; null if there
+/// is none.
 const SeparatingPlane* BrickPair::planeToGive(long step) {
   std::vector<const SeparatingPlane*> candidates;
   double best = -kInfinity;
@@ -917,7 +914,7 @@ bool BrickPair::canGive(const SeparatingPlane& plane, long step) {
   return std::find(given_.begin(), given_.end(), plane) == given_.end();
 }
 
-/// Sets what all contacts of the pair have in common.
+/// Sets the common fields of the pair's contacts.
 void BrickPair::finishContacts(std::vector<model::Contact>& contacts) const {
   for (model::Contact& contact : contacts) {
     const bool onA = contact.brickA == a_.brick;
@@ -928,8 +925,8 @@ void BrickPair::finishContacts(std::vector<model::Contact>& contacts) const {
   }
 }
 
-/// Removes the corners of regions that were given in this step already, and those that do not hold
-/// where the step starts: edges that cross at its end may have passed each other.
+/// Removes the corners of regions that were already appended in this step, and those that do not
+/// hold at its start: edges that cross at the end may have passed each other.
 void BrickPair::keepNew(std::vector<model::Contact>& contacts) const {
   std::erase_if(contacts, [this](model::Contact contact) {
     const bool isRegion = std::exchange(contact.isRegion, true);
@@ -968,7 +965,7 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Conta
 
 /// The contact's normal from B towards A of the pair, in A's axes.
 Vector3 BrickPair::normalOf(const model::Contact& contact, const PlacedOutline& placedB) const {
-  // The contact's first brick may be B of the pair; its normal then points the other way.
+  // The contact's first brick may be B of the pair; its normal then has the opposite sign.
   const bool swapped = contact.brickA != a_.brick;
   model::Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;
@@ -984,7 +981,7 @@ void BrickPair::appendRegion(const model::Contact& contact, const Pose& startOfB
   appendRegionContacts(normalOf(contact, placedB), nullptr, a_.brick, b_.brick, placedA(), placedB,
                        found);
   finishContacts(found);
-  // Where only edges cross, the crossing is the region as long as there is one.
+  // If only edges cross, their crossing is the region while it exists.
   if (found.empty() && contact.isEdge && insideBorders(contact, startOfB) >= 0)
     found.push_back(contact);
   contacts.insert(contacts.end(), found.begin(), found.end());
@@ -1006,21 +1003,21 @@ bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) c
 
 /// Whether the contact's point lies on its face, not outside.
 bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& placedB) const {
-  // An edge against an edge has no face that it could lie on.
+  // A contact of two edges has no face.
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_.brick;
   const PlacedOutline& other = onA ? placedB : placedA();
   const Vector3 point = (onA ? placedA() : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
-    // Beyond the plane of any face, the point is outside the other brick: it cannot touch
-    // the face from within its borders.
+    // Beyond the plane of any face, the point is outside the other brick, so it cannot touch the
+    // face within its borders.
     if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
   }
   return true;
 }
 
-/// Whether another plane than that of the contact keeps the pair apart at the start of the step.
+/// Whether a plane other than the contact's separates the pair at the start of the step.
 bool BrickPair::isApartOtherwise(const model::Contact& contact,
                                  const PlacedOutline& placedB) const {
   const Vector3 normal = normalOf(contact, placedB);
@@ -1038,10 +1035,10 @@ bool BrickPair::isApartOtherwise(const model::Contact& contact,
 // to an edge of each (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). With the unit
 // normal n from B towards A,
 //   s = min over A of (p . n) - max over B of (p . n)             metres
-// is the separation: positive where they are apart, negative where they overlap along n. For a face
-// of B, n is its outward normal, and the maximum over B is reached on the face: one point
-// of it serves. For edges, n = +-(e_A x e_B) / |e_A x e_B|: both signs are tried as planes of their
-// own. A plane keeps its side when it is followed.
+// is the separation: positive if they are apart, negative if they overlap along n. For a face of B,
+// n is its outward normal, and the maximum over B is at any point of the face. For edges, n =
+// +-(e_A x e_B) / |e_A x e_B|, with a separate plane for each sign. A plane keeps its sign from
+// step to step.
 //
 // A prism over a polygon with k corners has k + 2 faces and up to k + 1 edge directions. In the
 // plane only its k side faces count.
@@ -1052,9 +1049,9 @@ using Kind = SeparatingPlane::Kind;
 
 // Below this sine two edges span no plane.
 constexpr double kParallelEdges = 1e-6;
-// Below this sine the plane of two edges turns too fast to be held.
+// Below this sine the plane of two edges rotates too fast to be held.
 constexpr double kSteady = 0.05;
-// Points that reach equally far to this part of an edge tie.
+// Projections of points that differ by less than this fraction of an edge are equal.
 constexpr double kTie = 1e-9;
 
 // The least projection of the points on a direction.
@@ -1067,16 +1064,16 @@ double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
 void addDirection(Outline& outline, const Vector3& edge) {
   const Vector3 direction = edge.normalized();
   const bool known =
-      // Parallel edges span the same planes: they count once.
+      // Parallel edges span the same planes, so they count once.
       std::any_of(outline.directions.begin(), outline.directions.end(),
                   [&](const Vector3& other) { return other.cross(direction).norm() < 1e-9; });
   if (!known) outline.directions.push_back(direction);
 }
 
-/// The point that reaches farthest along a direction; of both ends of an edge across it the first.
+/// The point with the largest projection on a direction. For an edge across it, the first end.
 const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, int& index) {
-  // Both ends of an edge across the direction reach equally far; rounding must not choose between
-  // them.
+  // Both ends of an edge across the direction have the same projection. Rounding must not choose
+  // between them.
   const double tie = kTie * (placed.points[1] - placed.points[0]).norm();
   index = 0;
   for (int p = 1; p < static_cast<int>(placed.points.size()); ++p) {
@@ -1150,9 +1147,9 @@ Outline makeOutline(const model::Brick& brick, bool planar) {
   return outline;
 }
 
-// Memory of `placed` is used again, as this is called for each pair in each step.
+// Reuses the memory of `placed`, because each step calls this for each pair.
 void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed) {
-  // One matrix for all points is cheaper than a quaternion for each.
+  // A matrix for all points is cheaper than the quaternion.
   const Matrix3 R = pose.rotation.toRotationMatrix();
   const auto turn = [&](const std::vector<Vector3>& from, std::vector<Vector3>& to) {
     to.resize(from.size());
@@ -1166,7 +1163,7 @@ void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& place
   for (Vector3& point : placed.points) point += pose.position;
 }
 
-// Faces come first: they are cheaper, and keep most pairs apart.
+// Faces come first, because they are cheaper and separate most pairs.
 std::vector<SeparatingPlane> separatingPlanes(const Outline& a, const Outline& b) {
   std::vector<SeparatingPlane> planes;
   for (int f = 0; f < static_cast<int>(a.normals.size()); ++f) {
@@ -1232,15 +1229,15 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
 
 // ------------------------------------------------------------------------------------------------
 // The region in which two bricks touch: the polygon in which a face of each overlap, seen along the
-// normal between them. Each of its corners is a contact of the two features that meet there: a
-// corner of a brick over the face of the other, or an edge of each that cross. So every contact
-// point lies on both bricks, and stays on the features while bricks slide.
+// normal between them. Each of its corners is a contact of two features: a corner of one brick on
+// the face of the other, or two edges that cross. Every contact point therefore lies on both
+// bricks, and stays on the features while bricks slide.
 
 namespace {
 
 // Faces within this angle of the plane between two bricks may touch as faces, cosine of 0.2 rad.
 constexpr double kFlat = 0.98;
-// Corners of a region closer than this part of an edge are one.
+// Corners of a region closer than this fraction of an edge are the same.
 constexpr double kOneCorner = 1e-9;
 // Below this sine edges of faces that touch count as parallel.
 constexpr double kNoCrossing = 1e-9;
@@ -1260,10 +1257,10 @@ struct PlacedFace {
   }
 };
 
-/// How far a point is within the sides of a face, seen along its normal, metres; below 0 outside.
+/// Distance of a point from the sides of a face, seen along its normal, metres; > 0 inside.
 double insideFace(const PlacedFace& face, const Vector3& point) {
   double least = std::numeric_limits<double>::infinity();
-  // A face of a planar scene is a segment: both of its ends are sides.
+  // A face of a planar scene is a segment. Both of its ends are sides.
   const bool isSegment = face.size() == 2;
   for (std::size_t k = 0; k < face.size(); ++k) {
     const Vector3 edge = face.corner(k + 1) - face.corner(k);
@@ -1275,14 +1272,14 @@ double insideFace(const PlacedFace& face, const Vector3& point) {
   return least;
 }
 
-/// The face whose normal points farthest along a direction.
+/// The face whose normal is nearest to a direction.
 PlacedFace faceAlong(const PlacedOutline& placed, const Vector3& direction) {
   const auto most = std::ranges::max_element(
       placed.normals, {}, [&](const Vector3& normal) { return normal.dot(direction); });
   return {placed, static_cast<int>(most - placed.normals.begin())};
 }
 
-/// An edge of a placed outline, in brick axes and where it is.
+/// An edge of a placed outline, in brick axes and in world axes.
 struct PlacedEdge {
   Vector3 ownFrom;
   Vector3 ownEdge;
@@ -1311,7 +1308,7 @@ class RegionMaker {
     }
   }
 
-  /// Where the edges of two faces cross.
+  /// Crossings of the edges of two faces.
   void addCrossings(const PlacedFace& a, const PlacedFace& b) {
     if (a.size() == 2) return;  // of a planar scene
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -1319,7 +1316,7 @@ class RegionMaker {
     }
   }
 
-  /// Nothing where the two do not cross.
+  /// Adds nothing if the two do not cross.
   void addCrossing(const PlacedEdge& a, const PlacedEdge& b) {
     const Vector3 across = a.edge.cross(b.edge);
     if (across.norm() <= kNoCrossing * a.edge.norm() * b.edge.norm()) return;
@@ -1344,7 +1341,7 @@ class RegionMaker {
     const double sine = ofA.edge.cross(ofB.edge).norm() / (ofA.edge.norm() * ofB.edge.norm());
     if (sine > kSteady) return addCrossing(ofA, ofB);
     if (!(sine > kNoCrossing)) return;
-    // The normal of nearly parallel edges turns too fast: the point of A is held off B's face.
+    // The normal of nearly parallel edges rotates too fast, so this is the point of A on B's face.
     const Vector3 outwards = ofB.edge.cross(b.normal());
     const double onA = outwards.dot(ofB.from - ofA.from) / outwards.dot(ofA.edge);
     const Vector3 point = ofA.from + onA * ofA.edge;
@@ -1369,7 +1366,7 @@ class RegionMaker {
   std::vector<Vector3> places_;
 };
 
-/// The ends of the edge of a brick that goes through one of its corners along a direction.
+/// The ends of the edge of a brick through one of its corners along a direction.
 std::pair<int, int> endsOfEdge(const PlacedOutline& placed, int corner, const Vector3& direction) {
   for (const std::vector<int>& face : placed.outline->faces) {
     for (std::size_t k = 0; k < face.size(); ++k) {
@@ -1382,7 +1379,7 @@ std::pair<int, int> endsOfEdge(const PlacedOutline& placed, int corner, const Ve
   return {corner, corner};
 }
 
-/// How far a point is within the ends of the edge that begins at a corner in brick axes, metres.
+/// Distance of a point from the ends of the edge that begins at a corner in brick axes, metres.
 double insideEdge(const PlacedOutline& placed, const Vector3& ownCorner, const Vector3& direction,
                   const Vector3& point) {
   const auto corner = std::ranges::min_element(
@@ -1433,12 +1430,12 @@ double insideBorders(const model::Contact& ofBricks, const PlacedOutline& a,
 // ------------------------------------------------------------------------------------------------
 // A convex brick and a sphere with the centre c and radius R, in brick axes.
 //
-// The nearest point of the brick to c lies on a face where c is over the face, else on an edge or
-// at a corner. Within the brick, where all heights h = n . (c - f) over the faces are negative, the
-// face with the largest height is nearest. The pair overlaps by R - distance. The contact plane is
-// the face, or else the sphere's tangent plane at the nearest point. As a convex brick has a
-// nearest point only, one contact a pair is enough. C. Ericson, Real-Time Collision Detection,
-// 2005, section 5.1, has these cases.
+// The point of the brick that is nearest to c is on a face if c projects into the face, else on an
+// edge or at a corner. Inside the brick all heights h = n . (c - f) over the faces are negative,
+// and the face with the largest height is nearest. The pair overlaps by R - distance. The contact
+// plane is the face, or else the sphere's tangent plane at the nearest point. A convex brick has
+// one nearest point, so one contact per pair is enough. The cases are in C. Ericson, Real-Time
+// Collision Detection, 2005, section 5.1.
 
 namespace {
 
@@ -1479,7 +1476,8 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
     const double height = normal.dot(to - face[0]);
     const NearestPoint onFace{to - height * normal, normal, height};
     if (height > within.distance) within = onFace;
-    // Faces turned away from the centre cannot have the nearest point, unless the centre is within.
+    // Faces that point away from the centre cannot have the nearest point, unless the centre is
+    // inside.
     if (height <= 0) continue;
     if (isOverFace(face, normal, to)) return onFace;
     for (std::size_t k = 0; k < face.size(); ++k) {
@@ -1506,14 +1504,14 @@ double SpherePair::overlap(const Pose& brick, const Vector3& centre) const {
   return std::max(0.0, radius_ - nearest(brick, centre).distance);
 }
 
-// The contact of the nearest feature at a pose, which stays for the step.
+// The contact of the nearest feature at a pose. The step keeps it.
 model::Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
   const NearestPoint near = nearest(brick, centre);
   model::Contact contact;
   if (near.isOnFace) {
     contact.brickA = sphere_;
     contact.brickB = brick_;
-    // The sphere's point that faces the brick; its axes are the world's, since it does not turn.
+    // The sphere's point that faces the brick, in world axes, since it does not rotate.
     contact.pointA = radius_ * (brick.rotation * -near.away);
     contact.pointB = near.point;
     contact.normal = near.away;
@@ -1533,8 +1531,8 @@ double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vect
   if (deep <= tolerance_) return 0;
   if (givenStep_ != step) given_.clear();
   givenStep_ = step;
-  // The start's feature is what the brick came towards. When its contact is there and the overlap
-  // stays, the end's feature is another one.
+  // The first contact is of the nearest feature at the start. If the overlap remains with it, the
+  // nearest feature at the end is another one.
   for (const Pose* pose : {&start, &end}) {
     const model::Contact contact = contactAt(*pose, centre);
     if (std::find(given_.begin(), given_.end(), contact) != given_.end()) continue;

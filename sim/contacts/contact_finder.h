@@ -1,4 +1,4 @@
-/// Collision detection: from all pairs of bricks to the contacts of a step.
+/// Collision detection: finds the contacts of a step among all pairs of bricks.
 #pragma once
 
 #include <memory>
@@ -19,15 +19,15 @@ namespace kirireel::contacts {
 // ------------------------------------------------------------------------------------------------
 // Which bricks may come near each other: the broad phase. No Bullet header is needed to use it.
 
-/// How far any point within `radius` of the origin is displaced by a change of pose, at most.
-/// Metres. Never too small; at most twice too large for small turns.
+/// Upper bound on the displacement of points within `radius` of the origin by a change of pose,
+/// metres. At most twice too large for small rotations.
 double motionBound(const Pose& from, const Pose& to, double radius);
 
 /// The distance of a brick's farthest point from its centre of mass, metres.
 double outerRadius(const model::Brick& brick);
 
-/// Bullet's dynamic box tree over boxes that are wider than the bricks in them: a box is set again
-/// only when its brick has moved by the margin.
+/// Bullet's dynamic tree of boxes that are wider than their bricks by a margin. A box changes only
+/// after its brick has moved by the margin.
 class NearPairs {
  public:
   /// `bricks` must outlive this.
@@ -42,7 +42,7 @@ class NearPairs {
   /// start and the end of the last move.
   const std::vector<std::pair<int, int>>& pairs() const;
 
-  /// Where the boxes are, which decides the pairs.
+  /// Positions of the boxes, which determine the pairs.
   void transfer(StateTape& tape);
 
  private:
@@ -51,31 +51,31 @@ class NearPairs {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
-// bricks decide. No Bullet header is needed to use it.
+// Finds collisions. Bullet's broad phase lists pairs, and separating planes of the exact bricks
+// decide. No Bullet header is needed to use it.
 
-/// A brick that reaches into an obstacle.
+/// A brick that overlaps an obstacle.
 struct ObstacleOverlap {
   int brick = 0;     ///< its number, >= 0
-  int obstacle = 0;  ///< from 0
+  int obstacle = 0;  ///< >= 0
   double depth = 0;  ///< metres
 };
 
-/// How far a contact of two faces reaches.
+/// The extent of a contact of two faces.
 enum class FaceContact {
-  Region,  ///< the polygon in which the faces overlap: support ends where a brick ends
+  Region,  ///< the polygon in which the faces overlap
   Plane,   ///< the whole plane of a face, without a border
 };
 
-/// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
-/// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
-/// passed through each other, however thin they are. One plane may also take over from another on
-/// the way, while both hold. Otherwise the plane that held at the start and is violated least at
-/// the end gives the contacts. Where bricks share a pivot, planes through the pivot count like any
-/// other, so joined bricks are free to turn until they collide.
+/// Checks a step's start and end together. If one plane (a face of either brick, or spanned by an
+/// edge of each) separates a pair at both, the two neither overlap nor have passed through each
+/// other, for any thickness. During the step one plane may also replace another while both hold.
+/// Otherwise the pair gets contacts on the plane that held at the start and is violated least at
+/// the end. Bricks that share a pivot may use planes through it, so joined bricks rotate freely
+/// until they collide.
 ///
-/// No margins are used: contacts are exact to `tolerance`, and bricks that overlap in the model may
-/// keep that overlap but not deepen it.
+/// There are no margins: contacts are exact to `tolerance`. Bricks that overlap in the model may
+/// keep that overlap, but it must not grow.
 class ContactFinder : public model::ContactSource {
  public:
   /// `tolerance`: overlap in metres that is ignored. `planar`: only outlines collide. `pivots`
@@ -92,16 +92,16 @@ class ContactFinder : public model::ContactSource {
   void appendRegion(const model::Contact& contact, std::vector<model::Contact>& contacts) override;
   double pairsExamined() const override;
 
-  /// How far within the borders of both bricks a corner of a region is at these poses, metres;
-  /// below 0 outside. Infinity for other contacts.
+  /// Distance of a region's corner from the borders of both bricks at these poses, metres; > 0
+  /// inside. Infinity for other contacts.
   double insideBorders(const model::Contact& contact, const Poses& ofBricks) const;
 
-  /// A brick that overlaps an obstacle at the start, whose poses these are: it could not be got out
-  /// without a discontinuity. Call it before the first step.
+  /// A brick that overlaps an obstacle at these start poses: it could not be removed without a
+  /// discontinuity. Call it before the first step.
   std::optional<ObstacleOverlap> overlapWithObstacle(const Poses& start) const;
 
-  /// What the next step takes from those before: what keeps each pair of bricks apart, and the
-  /// overlap that it may keep.
+  /// State that the next step needs from earlier steps: for each pair of bricks the separating
+  /// features, and the overlap that it may keep.
   void transfer(StateTape& tape);
 
  private:
@@ -110,13 +110,13 @@ class ContactFinder : public model::ContactSource {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Planes between two bricks: which of their faces and edges keep them apart.
+// Separating planes of two bricks, by their faces and edges.
 
 /// A brick as the points, outward face normals and edges of a convex body, in brick axes. In a
 /// planar scene only the outline counts: the bottom's vertices and the side faces.
 struct Outline {
   std::vector<Vector3> points;      ///< corners, metres
-  std::vector<Vector3> normals;     ///< one a face, unit
+  std::vector<Vector3> normals;     ///< one per face, unit
   std::vector<int> facePoints;      ///< a point on each face, as an index into points
   /// The corners of each face, as indices into points, anticlockwise seen from outside.
   std::vector<std::vector<int>> faces;
@@ -131,19 +131,19 @@ struct PlacedOutline {
   const Outline* outline = nullptr;  ///< in brick axes; it must outlive this
   Pose pose;                         ///< of the brick
   std::vector<Vector3> points;       ///< corners, metres
-  std::vector<Vector3> normals;      ///< one a face, unit
+  std::vector<Vector3> normals;      ///< one per face, unit
   std::vector<Vector3> directions;   ///< of edges, unit
 };
 
 /// Replaces `placed` by the outline at a pose.
 void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed);
 
-/// A direction that may separate two bricks A and B, defined by their features: it can be followed
-/// from pose to pose.
+/// A direction that may separate two bricks A and B. It is defined by their features, so it can be
+/// followed from pose to pose.
 struct SeparatingPlane {
-  /// Whose features it is of.
+  /// Which features define it.
   enum class Kind { FaceOfA, FaceOfB, Edges };
-  Kind kind = Kind::FaceOfB;  ///< of what features
+  Kind kind = Kind::FaceOfB;  ///< which features
   int a = 0;                  ///< face or edge direction of A
   int b = 0;                  ///< face or edge direction of B
   double sign = 1;            ///< of the product of edge directions
@@ -158,19 +158,18 @@ struct SeparatingPlane {
   }
 };
 
-/// All planes to be tried for a pair: the faces of both, and in space the products of their edges.
+/// All candidate planes of a pair: the faces of both, and in space the products of their edges.
 std::vector<SeparatingPlane> separatingPlanes(const Outline& a, const Outline& b);
 
-/// The unit normal of a plane from B towards A, world axes; zero where two edges are parallel.
+/// The unit normal of a plane from B towards A, world axes; zero if two edges are parallel.
 Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
-/// Distance between A and B along a plane's normal, metres: negative where they overlap along it,
-/// minus infinity where the plane does not exist.
-/// O(points of A and B).
+/// Distance between A and B along a plane's normal, metres: negative if they overlap along it,
+/// minus infinity if the plane does not exist. O(points of A and B).
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
-/// Whether contacts should hold A and B on their sides of a plane: not where two edges are nearly
-/// parallel, since their plane turns too fast.
+/// Whether contacts may hold A and B on their sides of a plane. False for nearly parallel edges,
+/// because their plane rotates too fast.
 bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
 /// The contacts that keep A and B (brick numbers as given) on their sides of a plane: every point
@@ -181,9 +180,9 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          std::vector<model::Contact>& contacts);
 
 /// The contacts at the corners of the polygon in which a face of A overlaps one of B, both nearly
-/// across `normal`, a unit vector from B towards A. Where no faces are and `edges` is not null, the
-/// crossing of these two edges, if they do cross. Appends none where there is no such region.
-/// O(n m) for faces of n and m corners.
+/// across `normal`, a unit vector from B towards A. Without such faces, if `edges` is not null, the
+/// crossing of these two edges, if they cross. Appends nothing if there is no such region. O(n m)
+/// for faces of n and m corners.
 void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, int brickA,
                           int brickB, const PlacedOutline& a, const PlacedOutline& b,
                           std::vector<model::Contact>& contacts);
@@ -192,12 +191,12 @@ void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, i
 double insideBorders(const model::Contact& contact, const PlacedOutline& a, const PlacedOutline& b);
 
 // ------------------------------------------------------------------------------------------------
-// Two bricks that may touch: what keeps them apart from step to step, and what they run into.
+// A pair of bricks that may touch: its separating plane from step to step, and its contacts.
 
-/// The poses of B in A's axes where a step starts and ends.
+/// The poses of B in A's axes at the start and the end of a step.
 struct PairMove {
-  Pose start;  ///< where the step starts
-  Pose end;    ///< where it ends
+  Pose start;  ///< at the start of the step
+  Pose end;    ///< at its end
 };
 
 /// The pose of a brick in the axes of another.
@@ -211,28 +210,27 @@ struct PieceShape {
   PieceShape& operator=(const PieceShape&) = delete;
 
   const Outline outline;
-  PlacedOutline placed;  ///< the same where the brick's axes are the world's
+  PlacedOutline placed;  ///< the same, if the brick's axes are the world's
 };
 
 /// A convex piece of a brick, for its pairs.
 struct OutlinedPiece {
-  int brick = 0;                            ///< that it is of
+  int brick = 0;                            ///< that it belongs to
   int part = 0;                             ///< its number within the brick
   std::shared_ptr<const PieceShape> shape;  ///< shared by the pairs of the piece
 };
 
-/// Working poses of brick B, reused by one pair after the other.
+/// Working memory for the poses of brick B, shared by all pairs.
 struct PairScratch {
-  PlacedOutline startB;  ///< where the step starts
-  PlacedOutline endB;    ///< where it ends
+  PlacedOutline startB;  ///< at the start of the step
+  PlacedOutline endB;    ///< at its end
 };
 
 /// Pairs are computed in the axes of brick A.
 class BrickPair {
  public:
   /// A piece of each brick, and separatingPlanes() of the two. `tolerance`: overlap in metres that
-  /// counts as none. Planes and scratch must outlive this; what the scratch holds means nothing
-  /// between calls.
+  /// is ignored. Planes and scratch must outlive this. The scratch has no state between calls.
   BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<SeparatingPlane>& planes,
             double tolerance, FaceContact faces, PairScratch& scratch);
   BrickPair(const BrickPair&) = delete;
@@ -245,20 +243,19 @@ class BrickPair {
   /// Overlap that the pair may keep, metres.
   double slack() const { return slack_; }
 
-  /// Notes how far the pair overlaps where the run begins: it may keep that.
+  /// Stores the overlap of the pair at the start of the run, which it may keep.
   void keepOverlap(const Pose& startOfB);
-  /// Lets the pair keep no more of that overlap than it still has.
+  /// Reduces the allowed overlap to the current one.
   void shrinkOverlap(const Pose& startOfB);
 
-  /// Appends the contacts of the plane that the move violates, unless they were given in this step
-  /// already. Returns the overlap at the end of the move, metres.
-  /// `step` numbers the step: planes whose contacts were given in the same step are not given
-  /// again. Costs a bound on the motion for pairs that are far apart, one plane for most others,
-  /// all planes (some dozens of products) else.
+  /// Appends the contacts of the plane that the move violates. Returns the overlap at the end of
+  /// the move, metres. `step` numbers the step: a plane's contacts are appended once per step.
+  /// Costs a bound on the motion for pairs that are far apart, one plane for most others, all
+  /// planes (some dozens of products) else.
   double appendViolated(const PairMove& move, long step, std::vector<model::Contact>& contacts);
 
-  /// Whether a contact of this pair still is in force at the start of a step: its point touches the
-  /// other brick's face, or no other face keeps the two apart.
+  /// Whether a contact of this pair still holds at the start of a step: its point touches the other
+  /// brick's face, or no other face separates the two.
   bool isCurrent(const model::Contact& contact, const Pose& startOfB) const;
   /// See ContactSource::appendRegion().
   void appendRegion(const model::Contact& contact, const Pose& startOfB,
@@ -266,8 +263,8 @@ class BrickPair {
   /// See ContactFinder::insideBorders().
   double insideBorders(const model::Contact& contact, const Pose& poseOfB) const;
 
-  /// What the next step takes from those before.
-  void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
+  /// State that the next step needs from earlier steps.
+  void transfer(StateTape& tape) { tape.transfer(slack_, last_, checkedPose_, clearance_); }
 
  private:
   const Outline& outlineB() const { return b_.shape->outline; }
@@ -279,7 +276,7 @@ class BrickPair {
   double separationAtStart(const SeparatingPlane& plane) const;
   double separationAtEnd(const SeparatingPlane& plane) const;
   double bestSeparationAtStart() const;
-  bool keptApartInTurn(const PairMove& move) const;
+  bool isSeparatedInTurn(const PairMove& move) const;
   Vector3 normalOf(const model::Contact& contact, const PlacedOutline& placedB) const;
   void finishContacts(std::vector<model::Contact>& contacts) const;
   void keepNew(std::vector<model::Contact>& contacts) const;
@@ -295,10 +292,10 @@ class BrickPair {
   double slack_ = 0;
   const std::vector<SeparatingPlane>& planes_;
   SeparatingPlane last_;                // that separated the pair at the last check
-  Pose lookedAt_;                       // B's pose then
-  double clearance_;                    // the separation then
-  std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
-  std::vector<model::Contact> corners_;  // of regions that were given in this step
+  Pose checkedPose_;                    // B's pose at that check
+  double clearance_;                    // the separation at that check
+  std::vector<SeparatingPlane> given_;  // whose contacts were appended in this step
+  std::vector<model::Contact> corners_;  // of regions, appended in this step
   long givenStep_ = -1;
 };
 
@@ -316,13 +313,13 @@ struct NearestPoint {
 /// `faces`: of a convex brick, outward, see brickFaces. `to`: in brick axes. O(corners).
 NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const Vector3& to);
 
-/// Finds contacts at the surface's nearest points: a face of the brick keeps off the sphere's point
-/// there, a corner or a point of an edge off the plane that touches the sphere there. They turn
-/// with the bricks, so every step finds them again.
+/// Finds contacts at the nearest points of the surfaces: the sphere's point against a face of the
+/// brick, or a corner or a point of an edge against the sphere's tangent plane. They rotate with
+/// the bricks, so every step finds them again.
 class SpherePair {
  public:
-  /// Numbers of the brick and of the sphere's body, whose origin is the centre.
-  /// `tolerance`: overlap in metres that counts as none.
+  /// Numbers of the brick and of the sphere's body, whose origin is the centre. `tolerance`:
+  /// overlap in metres that is ignored.
   SpherePair(int brick, int sphere, const model::Brick& shape, double radius, double tolerance);
 
   /// The number of the brick.
@@ -330,11 +327,12 @@ class SpherePair {
   /// The number of the sphere's body.
   int sphere() const { return sphere_; }
 
-  /// How deep the sphere reaches into the brick at this pose, metres, >= 0.
+  /// Depth of the sphere in the brick at this pose, metres, >= 0.
   double overlap(const Pose& brick, const Vector3& centre) const;
 
-  /// Appends the contact of the feature that was nearest at the start, then, when asked again in
-  /// the same step, of the one that is nearest at the end. Returns the overlap at the end.
+  /// Appends the contact of the feature that is nearest at the start of the step. The second call
+  /// in a step appends that of the feature that is nearest at the end. Returns the overlap at the
+  /// end.
   double appendViolated(const Pose& start, const Pose& end, const Vector3& centre, long step,
                         std::vector<model::Contact>& contacts);
 

@@ -343,7 +343,7 @@ void selectPath(scene::Scene& scene, Search& found, run::SearchBudget& budget,
   if (scene.path.kind == scene::PathKind::Auto) scene.path.kind = scene::PathKind::Dynamic;
   found.choice =
       path::choosePath(scene, {found.nearest, !found.blocking.empty()}, budget, watch, trials);
-  if (isContactOpen && found.choice.isClear) contacts = scene::ContactFilter::None;
+  if (isContactOpen && found.choice.isCollisionFree) contacts = scene::ContactFilter::None;
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
     contacts = scene::ContactFilter::None;
     found.choice.path = *found.choice.through;

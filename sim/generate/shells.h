@@ -136,7 +136,7 @@ void addCongruence(EquationRows& rows, const StateUnknowns& a, const StateUnknow
 void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::VectorXd& unknowns);
 
 // ------------------------------------------------------------------------------------------------
-// What the designs of shells have in common.
+// Common parts of the designs of shells.
 
 /// The fit of a design. Throws InputError naming the family when its exact equations do not come to
 /// hold.

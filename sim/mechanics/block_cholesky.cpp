@@ -219,7 +219,7 @@ double workOf(double columns, double rows) {
   return factor + columns * rows * rows / 2 + kSolves * columns * (columns + rows);
 }
 
-/// Adds so many rows of kColumns columns.
+/// Adds `rows` rows of kColumns columns.
 template <int kColumns>
 void addRun(const double* __restrict from, int fromStride, int rows, double* __restrict to,
             int toStride) {

@@ -6,7 +6,7 @@ namespace kirireel::mechanics {
 /// The rows of a register. A column of a panel or of an update is padded to whole registers.
 inline constexpr int kRowsTogether = 4;
 
-/// The length of a column with so many rows, its padding included.
+/// The length of a column with `rows` rows, including padding.
 [[gnu::always_inline]] inline int paddedRows(int rows) {
   return (rows + kRowsTogether - 1) / kRowsTogether * kRowsTogether;
 }

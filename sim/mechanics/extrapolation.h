@@ -67,7 +67,7 @@ class Extrapolation {
  private:
   struct Trial;
 
-  /// Of a search for a step.
+  /// Result of a search for a step.
   struct StepSearch {
     std::optional<double> taken = {};  // seconds
     bool isRefused = false;            // by the filter

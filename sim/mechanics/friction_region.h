@@ -1,4 +1,4 @@
-/// Where a face that touches rubs: points that represent an even pressure.
+/// Friction on a touching face, by points that represent an even pressure.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace kirireel::mechanics {
 
-/// A point that carries a share of what pushes a face.
+/// A point that carries a share of a face's normal force.
 struct RubbingPoint {
   Vector3 point;     ///< metres
-  double share = 1;  ///< of the whole push, > 0; the shares of a face add up to 1
+  double share = 1;  ///< of the normal force, > 0; the shares of a face add up to 1
 };
 
 /// Points for an even pressure on convex polygons in one plane that do not overlap. They have the
@@ -18,19 +18,19 @@ struct RubbingPoint {
 /// O(corners): 4 points for each.
 std::vector<RubbingPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
 
-/// Where a face rubs, whatever the place of its push.
+/// The region of a face with friction, for any position of its normal force.
 class RubbingRegion {
  public:
-  /// Every push acts at a single point.
+  /// A region in which every force acts at a single point.
   RubbingRegion() = default;
 
   /// The convex hull of points that touch, in a plane across `normal`. Hulls can be points and
   /// lines.
   RubbingRegion(const std::vector<Vector3>& touching, const Vector3& normal);
 
-  /// Points for a push at `centre`. The pressure is even on the hull if `centre` is its centroid.
-  /// Else it is even on the hull shrunk about some point, as little as it takes to have its
-  /// centroid there.
+  /// Points for a normal force at `centre`. The pressure is even on the hull if `centre` is its
+  /// centroid. Otherwise it is even on the hull scaled about some point, with the largest scale
+  /// <= 1 that moves its centroid to `centre`.
   std::vector<RubbingPoint> points(const Vector3& centre) const;
 
  private:
@@ -39,7 +39,7 @@ class RubbingRegion {
   std::vector<Vector3> hull_;  // no corners: a point, two: a line
   Vector3 normal_ = Vector3::Zero();
   Vector3 centroid_ = Vector3::Zero();
-  std::vector<RubbingPoint> even_;  // under a push at the centroid
+  std::vector<RubbingPoint> even_;  // for a force at the centroid
 };
 
 }  // namespace kirireel::mechanics

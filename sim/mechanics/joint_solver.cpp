@@ -1016,7 +1016,7 @@ void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
   if (excess > after) standStill(start);
 }
 
-/// What joints and contacts always allow.
+/// The end of a step without motion, which joints and contacts always allow.
 template <int D>
 void Stepper<D>::standStill(const Poses& start) {
   end_.poses = start;

@@ -16,8 +16,8 @@
 
 namespace kirireel::mechanics {
 
-/// Where a brick of a planar scene rests on the ground: it hasFriction there with a known normal
-/// load.
+/// A point at which a brick of a planar scene rests on the ground, with friction under a known
+/// normal load.
 struct Support {
   int brick = 0;            ///< its number, >= 0
   Vector3 point;            ///< in the brick's axes
@@ -26,16 +26,16 @@ struct Support {
 
 /// How the joints are solved.
 struct JointSolverSettings {
-  bool planar = false;            ///< three degrees of freedom a brick (x, y, turn about z)
+  bool planar = false;            ///< three degrees of freedom per brick (x, y, rotation about z)
   double lengthScale = 1;         ///< a typical tile edge, metres: tolerances refer to it
   std::vector<Support> supports;  ///< of planar scenes on the ground
-  /// Implicit in the step, which finds its end by Newton's method unless all are springs at hinges.
-  /// Ligaments need planar motion.
+  /// Implicit in the step. Newton's method finds its end, unless all forces are hinge springs.
+  /// Ligaments require planar motion.
   model::PairForces pairForces;
-  bool isHalving = true;  ///< whether steps that fail are tried in halves
+  bool isHalving = true;  ///< whether failed steps are repeated as halves
 };
 
-/// Writes the load on every brick at the given poses; `loads` has one entry per brick, to be
+/// Writes the load on every brick at the given poses. `loads` has one entry per brick, which are
 /// replaced.
 using LoadSource = std::function<void(const Poses&, std::vector<model::Load>& loads)>;
 
@@ -45,93 +45,92 @@ struct Momentum {
   Vector3 angular = Vector3::Zero();  ///< about the origin, N m s
 };
 
-/// What the loads of a step give to all bricks together.
+/// Momentum and work of a step's loads.
 struct LoadGain {
   Momentum momentum;  ///< of all bricks together
-  double work = 0;    ///< less what springs' dashpots and contacts take, joules
+  double work = 0;    ///< minus the losses in dashpots and contacts, joules
 };
 
-/// What two touching bricks push each other with.
+/// Contact force between two bricks.
 struct ContactLoad {
   int brickA = 0;              ///< its number, >= 0
-  int brickB = model::kFixed;  ///< above brickA, or what does not move
+  int brickB = model::kFixed;  ///< > brickA, or a fixed body
   double force = 0;            ///< newtons, the sum over the pair's points
 };
 
-/// The force at one point where two bricks, or a brick and what does not move, touch.
+/// The contact force at one point of two bricks, or of a brick and a fixed body.
 struct TouchForce {
   int brickA = 0;              ///< its number, >= 0
   int brickB = model::kFixed;  ///< or the ground's or an obstacle's
   Vector3 point;               ///< world axes
   Vector3 force;    ///< on brick A, friction included, newtons; brick B gets the opposite
-  double push = 0;  ///< of that along the normal, newtons, >= 0
+  double push = 0;  ///< its normal component, newtons, >= 0
 };
 
 /// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
 ///   min 1/2 (u - u*)^T A (u - u*)   with   J u = 0,   C u >= -g / h,
 /// solved with the primal system A + kappa J^T J + rho C^T C and proximal refinement (augmented
 /// Lagrangian), followed by Gauss-Newton closing of the joints on the same factor. Redundant joints
-/// and singular states need no special care.
-/// The cost of a step is one factorisation of H, a few solves with it, and as many again for each
-/// round of contacts. All functions refer to the bricks and pivots of makeJointSolver(), in their
-/// order; a solver is used by one thread at a time.
+/// and singular states are no special cases. The cost of a step is one factorisation of H, a few
+/// solves with it, and as many again for each round of contacts. All functions refer to the bricks
+/// and pivots of makeJointSolver(), in their order; a solver is used by one thread at a time.
 class JointSolver {
  public:
   virtual ~JointSolver() = default;
 
   /// Advances the motion by `step` seconds under the loads; `contacts` may be null. A step that
-  /// would change branches, cannot close its joints or leaves bricks overlapping is redone as two
+  /// would change branches, cannot close its joints or leaves bricks overlapping is repeated as two
   /// halves, at most 8 levels deep. With contacts, bricks whose shortest step fails move in it as
   /// rigid pieces of all that joints and contacts connect. After that, halves are tried in every
   /// tenth step only. If the pieces are at rest, the step is not tried again while nothing changes.
-  /// Joints and contacts do no work: what closing costs is taken from the speed. Loads are taken at
-  /// the start of each (half) step and implicit in it. `step` is positive, joints are closed at the
-  /// start to about the solver's tolerance. Loads are asked for at the start of each part of the
-  /// step.
+  /// Joints and contacts do no work: the work of closing is subtracted from the kinetic energy.
+  /// Loads are computed at the start of each (half) step and are implicit in it. `step` > 0. At the
+  /// start, joints are closed to about the solver's tolerance.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              model::ContactSource* contacts) = 0;
 
-  /// The contacts that eulerStep(), project() and collide() keep from now on: their points part, or
-  /// slide, but approach no more. To be set again after advance(), which finds contacts itself.
+  /// Sets the contacts that eulerStep(), project() and collide() hold: their points may separate or
+  /// slide, but not approach. Set them again after advance(), which finds contacts itself.
   virtual void holdContacts(const std::vector<model::Contact>& contacts) = 0;
-  /// Those that are held, or that carried load in the last step of advance(), with their planes.
+  /// The held contacts, or those that carried load in the last step of advance(), with their
+  /// planes.
   virtual std::vector<model::Contact> heldContacts() const = 0;
-  /// Those of them that push.
+  /// The pushing contacts among them.
   virtual std::vector<model::Contact> pushingContacts() const = 0;
 
   /// One step of implicit Euler, linearised at its start, with only the contacts that are held:
-  /// velocities satisfy joints and contacts as they are at the start, bricks move by them, and
-  /// joints are not closed again. While no contact parts or sticks its error is a power series in
-  /// the step: steps of several lengths can be extrapolated (see Extrapolation). A step
-  /// whose velocities were not found counts as unconverged. Adds to `given` what the loads gave.
+  /// velocities satisfy joints and contacts at the start, bricks move by them, and joints are not
+  /// closed again. While no contact separates or sticks, the error is a power series in the step,
+  /// so steps of several lengths can be extrapolated (see Extrapolation). A step without a solution
+  /// for its velocities counts as unconverged. Adds momentum and work of the loads to `given`.
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                                LoadGain& given) = 0;
 
-  /// What the motion holds, and the forces between pairs at its poses, joules.
+  /// Kinetic energy of the motion plus energy of the pair forces at its poses, joules.
   virtual double energy(const Motion& motion) const = 0;
 
-  /// The largest speed along their planes that points of contacts, and supports, have at the start
-  /// of a step though they stick at its end, m/s; of the last Euler step's.
+  /// The largest initial slip speed of points that stick at the end of the last Euler step, m/s:
+  /// points of contacts and supports.
   virtual double stickSlipSpeed(const Motion& start) const = 0;
 
-  /// Closes joints as assemble() does, brings the held contacts that pushed in the last Euler step
-  /// back to their planes, and takes from the velocities, in the metric of the masses, what would
-  /// open joints or bring contacts closer. Returns the largest gap left, metres; infinity where no
+  /// Closes joints like assemble(), moves the held contacts that pushed in the last Euler step back
+  /// to their planes, and projects the velocities, in the metric of the masses, to those that keep
+  /// joints closed and contacts apart. Returns the largest remaining gap, metres; infinity if no
   /// such velocities were found.
   virtual double project(Motion& motion) = 0;
 
-  /// An impact without rebound on the contacts that are held: the velocities after it are the
-  /// nearest to those before, in the metric of the masses, that joints and contacts allow, with
-  /// impulses of friction within Coulomb's bound. Returns false, with the velocities as they were,
-  /// where none were found.
+  /// An impact without rebound on the held contacts. The velocities after it are the nearest to
+  /// those before, in the metric of the masses, that joints and contacts allow, with friction
+  /// impulses within Coulomb's bound. If no such velocities are found, keeps them unchanged and
+  /// returns false.
   virtual bool collide(Motion& motion) = 0;
 
-  /// Holds these bricks where they are, exactly, until the next call; one entry per brick. Their
-  /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
+  /// Fixes these bricks exactly until the next call; one entry per brick. Their velocities are zero
+  /// at the end of each step. Two pinned bricks must not have an open joint.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// Makes joints compliant from now on: each pivot is a spring of this stiffness (N/m, > 0),
-  /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
-  /// Close gaps from springs by assemble() first.
+  /// implicit in the step. Infinity, the initial value, makes them exact; call assemble() first to
+  /// close the gaps of springs.
   virtual void setJointStiffness(double stiffness) = 0;
   /// Sets JointSolverSettings::isHalving.
   virtual void setHalving(bool isOn) = 0;
@@ -139,19 +138,18 @@ class JointSolver {
   /// The contacts that carried load in the last step, the strongest first; supports excluded.
   virtual std::vector<ContactLoad> contactLoads() const = 0;
 
-  /// What the contacts of the last step and the supports push with, its mean over the step, at the
-  /// poses where they are now.
+  /// Forces of the last step's contacts and of the supports, means over the step, at these poses.
   virtual std::vector<TouchForce> touchForces(const Poses& poses) const = 0;
 
-  /// The joints' stiffness at present, N/m; infinity: exact.
+  /// Current stiffness of the joints, N/m; infinity: exact.
   virtual double jointStiffness() const = 0;
 
-  /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
-  /// the largest gap left, metres.
+  /// Closes the joints of an open state with the least displacement in the metric of the masses.
+  /// Returns the largest remaining gap, metres.
   virtual double assemble(Poses& poses) = 0;
 
-  /// What the next step takes from those before, besides the motion: pins, the joints' stiffness,
-  /// the impulses and contacts to begin with, and which bricks have touched.
+  /// State that the next step needs from earlier steps, besides the motion: pins, the joints'
+  /// stiffness, initial impulses and contacts, and which bricks have touched.
   virtual void transfer(StateTape& tape) = 0;
 };
 
@@ -172,22 +170,22 @@ class Standstill {
   /// Whether no brick moved in the last step.
   bool isWhole() const { return !poses_.empty(); }
 
-  /// Begins a step of so many seconds from this motion, one load a brick; the loads count only
-  /// where isWhole(). Returns false if it need not be tried: the last one that was began just so,
-  /// and halves either failed then too or are not due.
+  /// Begins a step of `seconds` from this motion, with one load per brick. Loads matter only if
+  /// isWhole(). Returns false if the step can be skipped: the last one had the same inputs and no
+  /// motion, and its halves had none either or are not due.
   bool beginStep(const Motion& motion, const std::vector<model::Load>& loads, double seconds);
   /// Stores whether bricks moved in a part of the step.
   void recordStandstill() { stood_ = true; }
-  /// Notes that bricks moved in a part of the step.
+  /// Stores that bricks moved in a part of the step.
   void recordMotion() { moved_ = true; }
-  /// Ends the step that was begun, in these poses, with these loads.
+  /// Ends the step at these poses with these loads.
   void endStep(const Poses& poses, const std::vector<model::Load>& loads);
 
-  /// Whether a part of the step that fails may be tried in halves: not if bricks do not move in
-  /// another part, and after such steps only in every tenth.
+  /// Whether a failed part of the step may be tried in halves: not if another part had no motion,
+  /// and after such steps only in every tenth.
   bool mayHalve() const { return mayHalve_ && !stood_; }
 
-  /// To be called when something else changes than poses and loads.
+  /// Call this if anything except poses and loads changes.
   void forget() { *this = {}; }
 
   /// Records or plays back.
@@ -212,10 +210,10 @@ class Standstill {
 // ------------------------------------------------------------------------------------------------
 // The forces that joints and pins carry in one state.
 
-/// What holds the bricks of one state, besides what is applied to them. World axes.
+/// Reaction forces of one state. World axes.
 struct Reactions {
-  /// One a pivot: on its brick A, newtons; brick B gets the opposite. Of the upper pivot of a
-  /// planar scene zero: both faces' pivots are one there.
+  /// One per pivot: on its brick A, newtons; brick B gets the opposite. Zero for the upper pivots
+  /// of a planar scene, which coincide with the lower ones.
   std::vector<Vector3> pivotForces;
   /// One a brick: the force (N) and the torque about its centre of mass (N m) of what pins it; zero
   /// where nothing does.
@@ -237,10 +235,9 @@ class ReactionSolver {
   virtual Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                           const std::vector<bool>& pinned, double jointStiffness) = 0;
 
-  /// For each of so many joints, whether its force (the sum over its pivots) is indeterminate in
-  /// the state of the last solve(), which had exact joints: whether some forces of only joints are
-  /// in balance (a state of self-stress) in which it is not zero. Then only least-norm forces are
-  /// known, and others keep the balance as well.
+  /// For each of `joints` joints, whether its force (the sum over its pivots) is statically
+  /// indeterminate in the state of the last solve(), which had exact joints: whether a state of
+  /// self-stress has a nonzero force in it. Then solve() gives the forces of least norm.
   virtual std::vector<bool> indeterminateJoints(std::size_t joints) = 0;
 };
 

@@ -484,8 +484,8 @@ class Follower {
     if (!locateChanges(from, to, found)) return false;
     // Smaller slopes are rounding: their sign has no meaning.
     const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
-    const bool isClear = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
-    if (!isClear || from.along.forceSlope * to.along.forceSlope >= 0) return true;
+    const bool isAboveNoise = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
+    if (!isAboveNoise || from.along.forceSlope * to.along.forceSlope >= 0) return true;
     Point low = from, high = to;
     if (!bisect(low, high, [&](const Point& middle) {
           return middle.along.forceSlope * from.along.forceSlope > 0;

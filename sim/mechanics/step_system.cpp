@@ -1,8 +1,9 @@
-// Rows of contacts and their augmented Lagrangian: a contact with the multiplier p pushes with
-//   max(0, p - rho (c x - b)),
-// and hasFriction with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the
-// round before. Points of one plane become rows together. Of contacts that carried load the next
-// step begins with the multipliers.
+// Rows of contacts and their augmented Lagrangian. A contact with the multiplier p has the normal
+// impulse
+//   max(0, p - rho (c x - b))
+// and the friction impulse s - rho t x, limited to the length mu p of Coulomb's cone with p of the
+// previous round. Points of one plane become rows together. The next step starts with the
+// multipliers of loaded contacts.
 #include "sim/mechanics/step_system.h"
 
 #include <algorithm>
@@ -13,16 +14,16 @@
 namespace kirireel::mechanics {
 namespace {
 
-// Two unit vectors that span the plane across a unit normal. Which two they are does not matter:
-// friction's bound is round.
+// Two unit vectors that span the plane across a unit normal. Any two give the same result, because
+// the friction cone is round.
 std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
   const Vector3 first = normal.unitOrthogonal();
   return {first, normal.cross(first)};
 }
 
-/// Adds what turning edges contribute: the normal of two edges turns with both bricks,
+/// Adds the effect of rotating edges. The normal of two edges rotates with both bricks,
 ///   d(a x b . d) = w_A . (a x (b x d)) + w_B . (b x (d x a)),
-/// and only what of d lies across the normal counts, since the normal keeps its length.
+/// and only the part of d across the normal matters, since the normal keeps its length.
 template <int D>
 void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
   const model::Contact& contact = row.contact;
@@ -42,7 +43,7 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
 }  // namespace
 
 template <int D>
-// w = C u for this row, m/s; positive where the points part.
+// w = C u for this row, m/s; positive if the points separate.
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
   double w = 0;
   if (model::isBrick(contact.brickA)) w += normalA.dot(u.segment<D>(D * contact.brickA));
@@ -115,7 +116,7 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
       isCrossing ? Vector3(onA - poseA.position) : Vector3(poseA.rotation * contact.pointA);
   Vector3 armB = Vector3::Zero();
   if (model::isBrick(contact.brickB)) {
-    // A plane of B turns with B, so B's arm too goes to A's point.
+    // A plane of B rotates with B, so B's arm also ends at A's point.
     const Pose& poseB = poses[contact.brickB];
     armB = isCrossing       ? Vector3(onB - poseB.position)
            : contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
@@ -153,29 +154,29 @@ template void placeRow<6>(ContactRow<6>&, const Poses&);
 // ------------------------------------------------------------------------------------------------
 // The matrices of one implicit Euler step.
 //
-// Of a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
+// For a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
 // stiffness K by velocity and position, and the velocity u0 at the start of the step h,
-//   A = diag(m 1, I) + h D + h^2 K,        f = diag(m 1, I) u0 + h F
-// so that A x = f gives the velocity at the end of a step without joints: m (x - u0) = h (F - D x -
-// h K x). Springs at hinges add rows s (the rate of the hinge's angle by both bricks' velocities):
-// A gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the start. The joint rows J are the
+//   A = diag(m 1, I) + h D + h^2 K,        f = diag(m 1, I) u0 + h F.
+// Without joints, A x = f gives the velocity x at the end of the step: m (x - u0) = h (F - D x - h
+// K x). Springs at hinges add rows s (the rate of the hinge's angle by both bricks' velocities): A
+// gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the start. The joint rows J are the
 // velocities of pivot points of one brick against the other; kappa J^T J makes H of A, which is
 // positive definite for any J.
 //
-// Exact joints take kappa = 1e10 times the mean mass and multipliers; joints that are springs of
-// stiffness k take kappa = h^2 k, which is their implicit Euler step. H's blocks follow the graph
-// of bricks. An edge that a contact brings stays in the graph for the rest of the run, as the same
-// bricks mostly touch again, and a new plan costs more than some zeros.
+// Exact joints have kappa = 1e10 times the mean mass, and multipliers. Joints that are springs of
+// stiffness k have kappa = h^2 k, which is their implicit Euler step. H has the blocks of the graph
+// of bricks. The edge of a contact stays in the graph for the rest of the run, because most
+// contacts recur, and a new plan costs more than some zeros.
 
 namespace {
 
 // Weight of the joint rows in H, relative to the mean of A's translational part: 1e6 stalls near
-// singular states and 1e8 leaves gaps on large models; from 1e12 on rounding shows.
+// singular states, 1e8 leaves gaps on large models, and rounding errors are visible from 1e12 on.
 constexpr double kJointWeight = 1e10;
 // The contact rows' weight is far smaller: Newton's line search can step over the kinks of
 // many contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
-// What setting up a brick and a row is worth, in multiplications.
+// Cost of setting up a brick and a row, in multiplications.
 constexpr double kWorkOfBrick = 2000;
 constexpr double kWorkOfRow = 500;
 
@@ -284,15 +285,14 @@ double SpringRows<D>::damped(double step, const Vector& x) const {
 // energy E(q + h x) is replaced by its second-order expansion about known velocities x0,
 //   f gains -h g + h^2 K x0,     A gains h^2 K
 // with the gradient g and the second derivative K at q + h x0: the minimum of the step's quadratic
-// function is one Newton step for the true one. (In space g and K are by turns from the pose at
-// hand and not from q, which is the same up to the angle of a step.) K is made positive
-// semidefinite by dropping its negative eigenvalues, in coordinates in which a turn of one radian
-// counts as the length scale: else the cut would depend on the unit of length. A brick that is
-// pinned does not move; its rows are omitted.
+// function is one Newton step for the true one. In space, g and K are derivatives by rotations from
+// the current pose instead of q, which differ by the angle of a step. K is made positive
+// semidefinite by dropping its negative eigenvalues. Its rotations are multiplied by the length
+// scale, so the result does not depend on the unit of length. Rows of pinned bricks are omitted.
 
 namespace {
 
-/// An energy in D coordinates a brick.
+/// An energy in D coordinates per brick.
 template <int D>
 auto restricted(const model::PairEnergy& energy) {
   if constexpr (D == 3) {
@@ -334,8 +334,8 @@ PairBlocks<D>::PairBlocks(const model::PairForces& forces, double lengthScale, B
   }
 }
 
-// Starts a step with the expansion about bricks at rest, x0 = 0. `step` in seconds; bricks that are
-// held do not move in it.
+// Starts a step with the expansion about bricks at rest, x0 = 0. `step` in seconds. Held bricks do
+// not move in it.
 template <int D>
 void PairBlocks<D>::begin(const Poses& poses, double step, const std::vector<bool>& held) {
   if (empty()) return;
@@ -344,7 +344,7 @@ void PairBlocks<D>::begin(const Poses& poses, double step, const std::vector<boo
   held_ = held;
 }
 
-// The poses at the start displaced by D coordinates a brick.
+// The poses at the start displaced by D coordinates per brick.
 template <int D>
 Poses PairBlocks<D>::posesAfter(const Vector& displacement) const {
   Poses poses = start_;
@@ -404,7 +404,7 @@ void PairBlocks<D>::clear() {
 }
 
 // The exact energy after a displacement, joules. The step compares it with what the expansion
-// foretold.
+// predicted.
 template <int D>
 double PairBlocks<D>::energyAfter(const Vector& displacement) const {
   return empty() ? 0 : forces_.energy(posesAfter(displacement));
@@ -446,7 +446,7 @@ StepSystem<D>::StepSystem(const std::vector<model::Brick>& bricks,
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     jointRows_[p].edge = graph_.edgeOf(pivots_[p].brickA, pivots_[p].brickB);
   }
-  // After the joints: the order of edges decides the rounding.
+  // After the joints, because the order of edges determines the rounding.
   springs_ = SpringRows<D>(model::hingeSpringsOf(pairForces), graph_);
   pairBlocks_ = PairBlocks<D>(pairForces, lengthScale, graph_);
 }
@@ -472,7 +472,7 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<model::Load>
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Block M = massMatrix<D>(bricks_[i], motion.poses[i]);
     if (pinned_[i]) {
-      // No joint row touches it: nothing but zero solves its equations.
+      // No joint row has this column, so the solution is zero.
       f_.segment<D>(D * i).setZero();
       A_[i] = M;
     } else {
@@ -533,8 +533,8 @@ void StepSystem<D>::keepLengthwiseRow(const model::Pivot& pivot, const Poses& po
   rows.b.row(0) = alongB;
 }
 
-/// Adds [a b]^T weight [a b] for rows of a pair of bricks; those of what does not move are left
-/// out. The weight is a number or a symmetric matrix.
+/// Adds [a b]^T weight [a b] for rows of a pair of bricks, without those of fixed bodies. The
+/// weight is a number or a symmetric matrix.
 template <int D>
 template <int kRows, typename Weight>
 void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
@@ -644,7 +644,7 @@ double StepSystem<D>::dampedBySprings(double step, const Vector& x) const {
   return springs_.damped(step, x);
 }
 
-/// A x, but for pair blocks.
+/// A x without pair blocks.
 template <int D>
 Eigen::VectorXd StepSystem<D>::ownTimesA(const Vector& x) const {
   Vector result(x.size());
@@ -718,14 +718,15 @@ template class StepSystem<6>;
 //   min 1/2 x^T A x - f^T x   with   J x = 0,   c_i x >= b_i,   |t_i x| bounded by friction.
 // With multipliers l of the joints, p of the contacts and s of their slip, a round minimises
 //   1/2 x^T A x - f^T x - l^T J x + kappa/2 |J x|^2
-//     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same of the slip, cut to its bound,
-// which is convex and quadratic in pieces: the pushing and slipping contacts determine the piece.
-// Newton's method on it is exact within a piece: a whole step is taken at first, and a line search
-// only where whole steps run in circles (semismooth Newton). Then the multipliers move to
+//     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same for the slip, limited to its
+//     bound,
+// which is convex and piecewise quadratic: the pushing and slipping contacts determine the piece.
+// Newton's method is exact within a piece. It takes whole steps, and a line search only if whole
+// steps cycle (semismooth Newton). Then the multipliers become
 //   l - kappa J x,   p = max(0, p - rho (c x - b)),   s the same,
-// and the next round begins. With kappa and rho large against A a round gains ten digits or so.
-// Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming",
-// 1974; Qi and Sun, "A nonsmooth version of Newton's method", 1993.
+// and the next round begins. If kappa and rho are large compared with A, a round gains about ten
+// digits. Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex
+// programming", 1974; Qi and Sun, "A nonsmooth version of Newton's method", 1993.
 
 namespace {
 

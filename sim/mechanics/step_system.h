@@ -19,15 +19,15 @@ namespace kirireel::mechanics {
 // ------------------------------------------------------------------------------------------------
 // The degrees of freedom of one brick: six in space, three in the plane.
 
-/// D = 6: translation and rotation vector. D = 3: x, y and the turn about z.
-/// The solver is written once for both; D decides at compile time. Vectors of all bricks hold D
-/// numbers a brick, brick by brick: metres (or m/s) first, then radians (or rad/s).
+/// D = 6: translation and rotation vector. D = 3: x, y and the turn about z. The solver is written
+/// once for both; D decides at compile time. Vectors of all bricks hold D numbers per brick, brick
+/// by brick: metres (or m/s) first, then radians (or rad/s).
 template <int D>
 struct Coordinates {
   static_assert(D == 3 || D == 6);
   static constexpr int kJointRows = D == 6 ? 3 : 2;  ///< a pivot is closed by this many rows
 
-  /// One number a coordinate.
+  /// One number per coordinate.
   using Vector = Eigen::Matrix<double, D, 1>;
   /// A matrix by the coordinates of one brick, or of two.
   using Block = Eigen::Matrix<double, D, D>;
@@ -35,14 +35,14 @@ struct Coordinates {
   using Rows = Eigen::Matrix<double, kJointRows, D>;
   /// One row.
   using RowVector = Eigen::Matrix<double, 1, D>;
-  /// By how much a pivot is open, metres.
+  /// The gap of a pivot, metres.
   using Gap = Eigen::Matrix<double, kJointRows, 1>;
 
-  /// Whether coordinate k of a brick is a turn.
+  /// Whether coordinate k of a brick is a rotation.
   static constexpr bool isTurn(int k) { return D == 6 ? k >= 3 : k == 2; }
 
-  /// A force and torque, or a velocity, in these coordinates: what points out of the plane is
-  /// dropped for D = 3.
+  /// A force and torque, or a velocity, in these coordinates. D = 3 drops components out of the
+  /// plane.
   static Vector restrict(const Vector6& v) {
     if constexpr (D == 6)
       return v;
@@ -97,7 +97,7 @@ struct Coordinates {
     return row;
   }
 
-  /// The row that takes the angular velocity along a vector.
+  /// The row of the angular velocity about a vector.
   static RowVector turning(const Vector3& vector) {
     RowVector row = RowVector::Zero();
     if constexpr (D == 6) {
@@ -108,10 +108,10 @@ struct Coordinates {
     return row;
   }
 
-  /// The part of a difference of two points that joint rows see, metres.
+  /// The components of a difference of two points that joint rows have, metres.
   static Gap gap(const Vector3& difference) { return difference.head<kJointRows>(); }
 
-  /// Of one brick; what is out of the plane is dropped for D = 3.
+  /// Packs one brick's velocity; D = 3 drops the components out of the plane.
   static Vector pack(const Velocity& velocity) {
     if constexpr (D == 6) {
       Vector packed;
@@ -122,7 +122,7 @@ struct Coordinates {
     }
   }
 
-  /// A brick's velocity, what is out of the plane being 0.
+  /// A brick's velocity. Components out of the plane are 0 for D = 3.
   static Velocity unpack(const Vector& packed) {
     if constexpr (D == 6) {
       return {packed.template head<3>(), packed.template tail<3>()};
@@ -139,7 +139,7 @@ struct Coordinates {
   }
 
  private:
-  /// The rotation by this vector. Most turns are tiny, where the series has all digits.
+  /// The rotation by this vector. Uses the series for small angles, where it is exact to rounding.
   static Quaternion turnBy(const Vector3& vector) {
     constexpr double kTinyTurn = 1e-4;
     const double square = vector.squaredNorm();
@@ -153,40 +153,40 @@ struct Coordinates {
 // The contacts of one step as rows of the step's system: normal rows that may only push,
 // tangential rows that slip beyond Coulomb's bound.
 
-/// One point contact, or one support of a planar scene, in D degrees of freedom a brick.
+/// One point contact, or one support of a planar scene, in D degrees of freedom per brick.
 ///
 /// Normal: w = row u with w + bias >= 0 and multiplier >= 0, one of them zero. Tangential: the
-/// multiplier opposes sliding and is at most slipBound long; slipBound is friction times the normal
-/// multiplier of the step before (lagged), which keeps each step convex.
+/// multiplier opposes sliding, and its length is at most slipBound. slipBound is friction times the
+/// normal multiplier of the previous step (lagged), which keeps each step convex.
 template <int D>
 struct ContactRow {
-  static constexpr int kTangents = 2;  ///< of a planar contact the second is vertical, hence zero
+  static constexpr int kTangents = 2;  ///< the second is vertical, hence zero, for planar contacts
   /// The row's part for one brick.
   using RowVector = typename Coordinates<D>::RowVector;
   /// Two rows for one brick.
   using TangentRows = Eigen::Matrix<double, kTangents, D>;
-  /// One number a tangent.
+  /// One number per tangent.
   using Tangent = Eigen::Matrix<double, kTangents, 1>;
-  /// By two tangents.
+  /// Two rows and columns, one per tangent.
   using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
 
   model::Contact contact;  ///< as it was found
-  bool hasNormal = true;   ///< false for rows that only rub
+  bool hasNormal = true;   ///< false for rows with only friction
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
-  /// That of what does not move means nothing.
+  /// Undefined for fixed bodies.
   RowVector normalA, normalB;
   /// Two rows for each brick, along two directions that span the contact's plane.
   TangentRows tangentA, tangentB;
-  double bias = 0;        ///< gap / step, m/s; 0 where they overlap
-  double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
+  double bias = 0;        ///< gap / step, m/s; 0 if they overlap
+  double aim = 0;         ///< target gap of a pushing contact when closing, metres
   double multiplier = 0;  ///< normal impulse, >= 0
   Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
   double slipBound = 0;                      ///< largest tangential impulse
-  /// Of a row that rubs for a plane of contacts, the share of their push on it; else 0.
+  /// For a friction row of a plane of contacts: its share of their normal force; else 0.
   double slipShare = 0;
 
-  bool isRubbed = false;  ///< the first of a plane: there are rows that rub for it
-  // The state that the present factor was made for.
+  bool isRubbed = false;  ///< first of a plane that has separate friction rows
+  // The state of the current factor.
   bool active = false;                                  ///< whether the normal pushes
   TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho
 
@@ -199,27 +199,27 @@ struct ContactRow {
   /// Adds (tangent rows)^T * scale.
   void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
 
-  /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
+  /// The normal impulse of the augmented Lagrangian at u for a contact that can push and pull.
   double pushingImpulse(const Eigen::VectorXd& u, double rho) const;
-  /// The normal impulse that the augmented Lagrangian gives at u.
+  /// The normal impulse of the augmented Lagrangian at u.
   double trialImpulse(const Eigen::VectorXd& u, double rho) const;
   /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
   /// Whether friction acts.
   bool hasFriction() const { return slipBound > 0; }
-  /// Whether it is in force in its present state.
+  /// Whether the contact has a force in its current state.
   bool acts() const { return active || hasFriction(); }
 
-  /// What the row of the next step takes from this one.
+  /// State that the row of the next step needs from this one.
   void transfer(StateTape& tape) {
     tape.transfer(contact, hasNormal, multiplier, slipMultiplier, slipShare);
   }
 };
 
-/// The row of a contact at the poses where a step of `step` seconds starts. An overlap there
-/// may stay while the bricks move (taking it back by speed would add energy); closing aims at
-/// `recovery` metres less of it.
+/// The row of a contact at the start poses of a step of `step` seconds. The step may keep an
+/// initial overlap, since removing it by a velocity would add energy. Closing reduces it by
+/// `recovery` metres.
 template <int D>
 ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, double step,
                              double recovery);
@@ -228,7 +228,7 @@ ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, 
 template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses);
 
-/// The end of the rows that belong to the same plane as the first, which follow each other.
+/// The end of the consecutive rows that belong to the same plane as the first.
 template <int D, typename Iterator>
 Iterator endOfPlane(Iterator first, Iterator end) {
   return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
@@ -239,20 +239,20 @@ Iterator endOfPlane(Iterator first, Iterator end) {
 // ------------------------------------------------------------------------------------------------
 // The graph of the system of a step.
 
-/// An edge for each two bricks that share a joint or a force, or have touched.
+/// An edge for each pair of bricks that share a joint or a force, or have touched.
 class BrickGraph {
  public:
-  /// Without edges, of so many bricks.
+  /// A graph of `bricks` nodes without edges.
   explicit BrickGraph(std::size_t bricks) : edgesAt_(bricks) {}
 
   /// The number of the edge between two bricks; makes it if it does not exist.
   int edgeOf(int brickA, int brickB);
   /// Sorted pairs, in the order in which they were made.
   const std::vector<std::pair<int, int>>& edges() const { return edges_; }
-  /// Whether there are edges that were not there when this was asked last; true at first.
+  /// Whether edges were added since the last call; true for the first call.
   bool hasGrown() { return std::exchange(hasGrown_, false); }
 
-  /// The order of edges decides the order of elimination, and so the rounding.
+  /// The edges. Their order determines the order of elimination, and therefore the rounding.
   void transfer(StateTape& tape);
 
  private:
@@ -261,12 +261,11 @@ class BrickGraph {
   bool hasGrown_ = true;
 };
 
-/// Two bricks, one of them perhaps what does not move (see model::isBrick), and their edge of the
-/// graph.
+/// Two bricks, or a brick and a fixed body (see model::isBrick), and their edge of the graph.
 struct PairOnGraph {
   int brickA = 0;  ///< its number, >= 0, or below 0
   int brickB = 0;  ///< the same
-  int edge = 0;    ///< its number on the graph, where there is one
+  int edge = 0;    ///< its number in the graph, if it exists
 
   /// Whether both move.
   bool hasEdge() const { return model::isBrick(brickA) && model::isBrick(brickB); }
@@ -284,28 +283,28 @@ struct SpringRow {
   double weight = 0;                        ///< of the row in A
 };
 
-/// What springs at hinges add to a step: S, W and m of StepSystem. About the axis of a closed hinge
-/// the rate is exact.
+/// The terms of hinge springs in a step: S, W and m of StepSystem. The rate about the axis of a
+/// closed hinge is exact.
 template <int D>
 class SpringRows {
  public:
-  /// One number a coordinate of all bricks.
+  /// One number per coordinate of all bricks.
   using Vector = Eigen::VectorXd;
 
   /// Of these springs, in their order; each pair becomes an edge of the graph.
   SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& graph);
 
-  /// How many springs there are.
+  /// The number of springs.
   std::size_t size() const { return springs_.size(); }
-  /// By its number, >= 0.
+  /// A spring by its number, >= 0.
   const model::HingeSpring& spring(std::size_t s) const { return springs_[s]; }
   /// The row of a spring, by the same number.
   const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
 
-  /// Sets the rows for a step of so many seconds from these poses. One entry per brick: those that
-  /// are held take no part.
+  /// Sets the rows for a step of `step` seconds from these poses. `held`: one entry per brick; held
+  /// bricks are fixed.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
-  /// Takes all weights and moments away.
+  /// Removes all weights and moments.
   void clear();
 
   /// The rate of a hinge's angle at velocities x, rad/s.
@@ -314,9 +313,9 @@ class SpringRows {
   void addForce(double step, Vector& f) const;
   /// Adds S^T W S x.
   void addProduct(const Vector& x, Vector& to) const;
-  /// Adds what a further displacement costs against the springs after a first one, joules.
+  /// Adds the work against the springs of a displacement `further` after `first`, joules.
   void addWorkAgainst(const Vector& first, const Vector& further, double& work) const;
-  /// What the dashpots take in a step with velocities x, joules.
+  /// Energy that the dashpots dissipate in a step with velocities x, joules.
   double damped(double step, const Vector& x) const;
 
  private:
@@ -325,28 +324,28 @@ class SpringRows {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Forces between pairs of bricks in a step, but for springs at hinges: ligaments and others.
+// Pair forces in a step, except hinge springs: ligaments and others.
 
 /// The energy E of such forces along a step of h seconds from poses q with velocities x, as a
 /// quadratic function of x,
 ///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
-/// about velocities x0. All of pairs of bricks, in the coordinates of both.
+/// about velocities x0. All terms belong to pairs of bricks and have the coordinates of both.
 template <int D>
 class PairBlocks {
  public:
-  /// One number a coordinate of all bricks.
+  /// One number per coordinate of all bricks.
   using Vector = Eigen::VectorXd;
   /// By the coordinates of a pair, brick A first.
   using PairVector = Eigen::Matrix<double, 2 * D, 1>;
   /// By the same, twice.
   using PairMatrix = Eigen::Matrix<double, 2 * D, 2 * D>;
 
-  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
-  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
-  /// the orders of extrapolated steps are lost.
+  /// K: the second derivative, or only its positive part. With the latter every stationary point is
+  /// a minimum, and Newton's steps reduce the energy. It has kinks at the buckling of a ligament,
+  /// which reduce the order of extrapolated steps.
   enum class Curvature { Whole, Convex };
 
-  /// What one pair adds to a step.
+  /// Terms of one pair in a step.
   struct PairBlock {
     PairOnGraph pair;                        ///< its bricks, and their edge
     PairVector force = PairVector::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
@@ -362,12 +361,12 @@ class PairBlocks {
   /// Force by force, pair by pair.
   const std::vector<PairBlock>& blocks() const { return blocks_; }
 
-  /// Begins a step at these poses, whose blocks are to be set. One entry per brick: those that are
-  /// held take no part. `step` in seconds.
+  /// Begins a step at these poses. Set its blocks next. `held`: one entry per brick; held bricks
+  /// are fixed. `step` in seconds.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
   /// Sets the blocks about velocities x0.
   void setAbout(const Vector& x0, Curvature curvature);
-  /// Takes all blocks away.
+  /// Removes all blocks.
   void clear();
 
   /// E after a displacement since begin(), joules.
@@ -400,13 +399,13 @@ struct JointRows {
   typename Coordinates<D>::Rows a, b;  ///< for brick A, for brick B
 };
 
-/// What factoring has cost so far.
+/// Total cost of factorisations.
 struct FactorCost {
-  int factorizations = 0;  ///< from 0
-  double work = 0;         ///< in multiplications with an addition: counted, not measured
+  int factorizations = 0;  ///< >= 0
+  double work = 0;         ///< number of multiplications with an addition
 };
 
-/// The matrices of one step in D degrees of freedom a brick:
+/// The matrices of one step in D degrees of freedom per brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
 ///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
 /// with the blocks of ligaments and other forces between pairs added to A and f (PairBlocks), on
@@ -423,28 +422,27 @@ class StepSystem {
   using Block = typename Space::Block;
   /// One row for one brick.
   using RowVector = typename Space::RowVector;
-  /// One number a coordinate of all bricks.
+  /// One number per coordinate of all bricks.
   using Vector = Eigen::VectorXd;
 
-  /// `lengthScale` in metres makes turning and moving comparable. Springs among `pairForces` are at
-  /// hinges of the pivots; ligaments need D = 3.
+  /// `lengthScale` in metres makes rotations and translations comparable. Springs among
+  /// `pairForces` are at hinges of the pivots; ligaments need D = 3.
   StepSystem(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
              double lengthScale, const model::PairForces& pairForces = {});
 
-  /// How many there are.
+  /// The number of bricks.
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   /// The rows of all pivots together.
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
-  /// Those whose rows are solved: of a planar scene's two faces one.
+  /// Pivots with rows. A planar scene has one for both faces.
   std::span<const model::Pivot> pivots() const { return pivots_; }
   /// Whether there is any pivot.
   bool hasJoints() const { return !pivots_.empty(); }
 
-  /// Holds these bricks where they are from now on: to a joint they are the world. One entry a
-  /// brick.
+  /// Fixes these bricks from now on. One entry per brick.
   void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
 
-  /// Sets A and f from the motion at the start of a step, but for pair blocks. `jointStiffness` in
+  /// Sets A and f from the motion at the start of a step, without pair blocks. `jointStiffness` in
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<model::Load>& loads, double step,
                double jointStiffness);
@@ -452,53 +450,54 @@ class StepSystem {
   bool hasPairBlocks() const { return !pairBlocks_.empty(); }
   /// Sets the pair blocks' part of A and f, about velocities x of the step.
   void setPairBlocksAbout(const Vector& x, typename PairBlocks<D>::Curvature curvature);
-  /// What the step minimises, the pairs' own energy in the place of their blocks, for velocities x,
-  /// joules.
+  /// The function that the step minimises, for velocities x, joules. It has the pairs' energy
+  /// instead of their blocks.
   double potential(double step, const Vector& x) const;
   /// Sets A = M, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
   /// Sets the joint rows at these poses.
   void placeJoints(const Poses& poses);
 
-  /// Factors H for the contacts' present states. Returns false when that fails.
-  /// Contacts between bricks that never touched before make a new plan. Costs O(n^1.2) for planar
-  /// sheets of n tiles and about O(n^1.4) in space, as measured from 100 to 10,000 tiles.
+  /// Factors H for the contacts' current states. Returns false if that fails. A first contact of
+  /// two bricks requires a new plan. Costs O(n^1.2) for planar sheets of n tiles and about O(n^1.4)
+  /// in space, as measured from 100 to 10,000 tiles.
   bool factor(const std::vector<ContactRow<D>>& contacts);
-  /// Replaces the right side by the solution of H x = right. factor() comes before.
+  /// Replaces `right` by the solution of H x = right. Call factor() first.
   void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
 
-  /// Of bricks at these poses that move with velocities x, joules.
+  /// Kinetic energy of bricks at these poses with velocities x, joules.
   double kineticEnergy(const Poses& poses, const Vector& x) const;
-  /// What a further displacement costs against the loads, the hinges' springs as they were set
-  /// last, and the other forces between pairs, after a first one, joules.
+  /// Work of a displacement `further` after `first`, joules: against the loads, the hinge springs
+  /// as last set, and the other pair forces.
   double workAgainst(const std::vector<model::Load>& loads, const Vector& first,
                      const Vector& further) const;
-  /// What the hinges' dashpots take in a step with velocities x, joules.
+  /// Energy that the hinges' dashpots dissipate in a step with velocities x, joules.
   double dampedBySprings(double step, const Vector& x) const;
   /// A x.
   Vector timesA(const Vector& x) const;
   /// f.
   const Vector& force() const { return f_; }
-  /// The largest component of a velocity of all bricks, turns counted at one length scale, m/s.
+  /// The largest component of a velocity of all bricks, m/s. Rotations count times the length
+  /// scale.
   double largestSpeed(const Vector& x) const;
   /// J u.
   Vector jointVelocity(const Vector& u) const;
   /// Adds scale * J^T multipliers.
   void addJointImpulse(double scale, const Vector& multipliers, Vector& to) const;
-  /// The gaps of all joint rows at these poses, metres.
-  /// Of links the difference of length, in their first row.
+  /// The gaps of all joint rows at these poses, metres. For links, the first row has the difference
+  /// of length.
   Vector jointGaps(const Poses& poses) const;
 
   /// The weight of joint rows in H, kg.
   double kappa() const { return kappa_; }
   /// The weight of contact rows in H, kg.
   double rho() const { return rho_; }
-  /// How often H was factored so far.
+  /// Number of factorisations of H so far.
   int factorizations() const { return cost_.factorizations; }
-  /// What they cost so far, in multiplications with an addition: counted, not measured.
+  /// Their total cost, in counted multiplications with an addition.
   double work() const { return cost_.work; }
 
-  /// The graph: which bricks have touched decides the order of elimination, and so the rounding.
+  /// The graph. Past contacts determine the order of elimination, and therefore the rounding.
   void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
@@ -518,7 +517,7 @@ class StepSystem {
   std::vector<bool> pinned_;
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
-  SpringRows<D> springs_;     // without weight while only masses count
+  SpringRows<D> springs_;     // no weights while A = M
   PairBlocks<D> pairBlocks_;  // the same
   Vector ownForce_;           // f without pair blocks
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
@@ -533,7 +532,7 @@ extern template class StepSystem<3>;
 extern template class StepSystem<6>;
 
 // ------------------------------------------------------------------------------------------------
-// The quadratic program that both halves of a step are: finding velocities, and closing joints.
+// The quadratic program of both halves of a step: finding velocities, and closing joints.
 
 /// Minimise 1/2 x^T A x - f^T x over velocities x with J x = 0, and with the contact rows'
 /// inequalities and friction.
@@ -542,25 +541,24 @@ struct StepProgram {
   Eigen::VectorXd x;                    ///< the start of the search, then its end
   Eigen::VectorXd force;                ///< f
   Eigen::VectorXd multipliers;          ///< of the joint rows
-  bool exactJoints = true;              ///< or springs, whose multipliers do not move
-  std::vector<ContactRow<D>> contacts;  ///< those that may push or rub
+  bool exactJoints = true;              ///< or springs, with fixed multipliers
+  std::vector<ContactRow<D>> contacts;  ///< possible contacts
 };
 
-/// How far a round of the method of multipliers was from the end.
+/// Residuals of a round of the method of multipliers.
 struct RoundReport {
-  bool found = false;        ///< whether the minimum for the multipliers at hand was found
+  bool found = false;        ///< whether the minimum for the current multipliers was found
   double change = 0;         ///< of x in the last Newton step, m/s
-  double contactChange = 0;  ///< by how much contact rows still were off, m/s
-  double jointSpeed = 0;     ///< the largest component of J x, m/s; not of joints that are springs
+  double contactChange = 0;  ///< residual of the contact rows, m/s
+  double jointSpeed = 0;     ///< the largest component of J x, m/s; exact joints only
 };
 
-/// One round: minimises the augmented Lagrangian for the multipliers at hand by semismooth Newton
-/// (the contacts' states decide which quadratic piece is in force), then moves the multipliers. The
-/// system must be factored for the contacts' states on entry. `slow` is a speed to which tolerances
-/// refer, in addition to that of x.
+/// One round: minimises the augmented Lagrangian for the current multipliers by semismooth Newton
+/// (the contacts' states select the quadratic piece), then updates the multipliers. The system must
+/// be factored for the contacts' states on entry. Tolerances are relative to the speed of x and to
+/// `slow`, m/s.
 template <int D>
-/// Costs one solve for a round without contacts; each change of the contacts' states costs a
-/// factorisation.
+/// Costs one solve without contacts, and a factorisation for each change of the contacts' states.
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
 
 /// Sets how the contacts slip at x. Returns whether any state changed.

@@ -1,4 +1,4 @@
-/// What pushes bricks: loads, contacts, and where joined bricks do not touch.
+/// Loads and contacts of bricks, and the zones in which joined bricks do not touch.
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ struct Contact {
   double friction = 0;              ///< Coulomb coefficient of the pair
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
   int partA = 0;                    ///< which convex part of a concave brick A, or of all obstacles
-  int partB = 0;                    ///< likewise of B
+  int partB = 0;                    ///< the same for B
   /// A corner of the polygon in which a face of each brick overlap, or where two edges cross: the
   /// point lies on both bricks. A polygon has corners of A over the face of B, corners of B over
   /// the face of A, and crossings of their edges.
@@ -138,7 +138,7 @@ inline ContactPoints contactPoints(const Contact& contact, const Poses& poses) {
   return {pointA + onA * a, pointB + onB * b};
 }
 
-/// Tells a solver what its bricks run into.
+/// Source of a solver's contacts.
 class ContactSource {
  public:
   virtual ~ContactSource() = default;
@@ -151,16 +151,16 @@ class ContactSource {
   /// returned in this step. Returns the largest overlap at `end`, metres.
   virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
 
-  /// Whether a contact that carried load in the last step still is in force at the start of the
-  /// step, so that the step may begin with it: its point touches the other brick, or nothing else
-  /// keeps the bricks apart.
+  /// Whether a contact that carried load in the last step still holds at the start of the step. The
+  /// step may then begin with it. It holds if its point touches the other brick, or if no other
+  /// contact separates the bricks.
   virtual bool isCurrent(const Contact& contact) const = 0;
 
   /// Appends the corners that the region of a contact has at the start of the step; none if its
   /// faces no longer overlap.
   virtual void appendRegion(const Contact& contact, std::vector<Contact>& contacts) = 0;
 
-  /// How many pairs of bricks were looked at closely so far; counts what the contacts cost.
+  /// Number of pairs of bricks that were checked exactly so far, as a measure of cost.
   virtual double pairsExamined() const { return 0; }
 };
 

@@ -314,7 +314,7 @@ double widestNeck(const std::vector<CutRay>& rays, double scale) {
   widths.push_back(cap);
   std::size_t best = 0;
   for (std::size_t k = 0; k + 1 < widths.size(); ++k) {
-    // Of equal intervals, take the one with wider necks.
+    // If intervals are equal, take the one with wider necks.
     if (widths[k + 1] - widths[k] >= widths[best + 1] - widths[best]) best = k;
   }
   return 0.5 * (widths[best] + widths[best + 1]);
@@ -1307,7 +1307,7 @@ DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
   Drawing drawing = readDrawing(file);
   const std::optional<LengthUnit> declared = findLengthUnit(drawing.unitName);
   if (!declared && settings.unit) rescale(drawing, *settings.unit);
-  // An unknown unit such as px means millimetres, the usual unit of exported drawings.
+  // An unknown unit such as px means millimetres, the most common unit of exported drawings.
   const LengthUnit unit = settings.unit.value_or(declared.value_or(millimetre()));
   ReadSettings inMetres = settings;
   inMetres.neckWidth *= unit.metres;

@@ -40,7 +40,7 @@ struct DrawnSheet {
 DrawnSheet readDrawnSheet(const std::filesystem::path& file, const ReadSettings& settings,
                           std::vector<std::string>& warnings);
 
-/// A pattern that `kirireel export` left, whose layers say which lines are hinges.
+/// A pattern written by `kirireel export`. Its layers contain the kinds of lines.
 Model ownPattern(const Drawing& drawing, const std::filesystem::path& file,
                  std::vector<std::string>& warnings);
 

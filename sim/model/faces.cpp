@@ -78,7 +78,7 @@ std::vector<int> faceOutline(std::vector<int> corners,
       ++k;
       continue;
     }
-    // Of two equal corners the later one is removed, of a slit its tip. Corners before it may have
+    // Removes the later one of two equal corners, and the tip of a slit. Corners before it may have
     // become a tip.
     corners.erase(corners.begin() + static_cast<long>(isTip ? k : next == 0 ? k : next));
     k = k > 1 ? k - 2 : 0;
@@ -238,8 +238,8 @@ class PlanarGraph {
     }
   }
 
-  /// Of a point next to an edge: its distance to the line, and its position along the line, [0, 1].
-  std::pair<double, double> beside(int point, int edge) const {
+  /// The distance of a point to the line of an edge, and its position along the edge, [0, 1].
+  std::pair<double, double> alongEdge(int point, int edge) const {
     const Point origin = places_[tail(2 * edge)], along = places_[head(2 * edge)] - origin;
     const Point offset = places_[point] - origin;
     return {crossOf(along, offset) / along.norm(), along.dot(offset) / along.squaredNorm()};
@@ -252,12 +252,13 @@ class PlanarGraph {
     if (lowA > highB + tolerance() || lowB > highA + tolerance()) return;
     // An end of one within the other.
     const auto touches = [&](int point, int edge, const std::array<int, 2>& ends) {
-      const auto [distance, share] = beside(point, edge);
+      const auto [distance, share] = alongEdge(point, edge);
       const bool isOwn = point == ends[0] || point == ends[1];
       return !isOwn && std::abs(distance) <= tolerance() && share > 0 && share < 1;
     };
     const auto parts = [&](const std::array<int, 2>& points, int edge) {
-      const double first = beside(points[0], edge).first, second = beside(points[1], edge).first;
+      const double first = alongEdge(points[0], edge).first,
+                   second = alongEdge(points[1], edge).first;
       return std::min(first, second) < -tolerance() && std::max(first, second) > tolerance();
     };
     const bool cross = parts(endsA, b) && parts(endsB, a);
@@ -282,7 +283,7 @@ class PlanarGraph {
         const Point along = places_[head(half)] - places_[tail(half)];
         return std::atan2(along.y(), along.x());
       });
-      // What arrives opposite to half-edge k leaves by the one before k.
+      // The half-edge opposite to half-edge k is followed by the one before k.
       for (std::size_t k = 0; k < halves.size(); ++k) {
         next_[halves[k] ^ 1] = halves[(k + halves.size() - 1) % halves.size()];
       }

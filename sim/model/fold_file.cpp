@@ -677,7 +677,7 @@ bool isWithoutAngle(const Crease& crease) {
 }
 
 /// Gives M and V edges of a flat sheet without an angle the angle of their letter, with a warning.
-/// Angles set by an option become those of the drawing. Returns whether there are such edges.
+/// Angles set by an option become those of the drawing. Returns whether such edges exist.
 bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector<Crease>& creases,
                    const fs::path& file, std::vector<std::string>& warnings) {
   const double angle = 180 * settings.fold.value_or(1);

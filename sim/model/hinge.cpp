@@ -86,7 +86,7 @@ Sector sectorAt(const Brick& brick, int corner, const Vector3& axis, const Vecto
   return {begin, end > begin ? end - begin : end - begin + 2 * kPi};
 }
 
-/// Of the angles that differ by multiples of `period`, the one nearest to `middle`.
+/// The angle nearest to `middle` among those that differ by multiples of `period`.
 double nearest(double angle, double middle, double period = 2 * kPi) {
   return middle + std::remainder(angle - middle, period);
 }
@@ -343,7 +343,7 @@ PlanarEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector
 
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament) {
-  // Of a rectangle: the usual approximation of S. P. Timoshenko's shear coefficient.
+  // S. P. Timoshenko's shear coefficient of a rectangle, the common approximation.
   constexpr double kShearFactor = 5.0 / 6;
   const double area = width * thickness;
   const double bending = youngs * thickness * width * width * width / 12;

@@ -124,8 +124,8 @@ struct Ligament {
   Vector3 across = Vector3::UnitX();  ///< of a pin: unit, direction of its opening at the start
   Vector3 normal = Vector3::UnitZ();  ///< unit, of the plane of motion of the bricks, world axes
   double stretchStiffness = 0;        ///< N/m
-  double shearStiffness = 0;          ///< N m/rad; of a pin N/m
-  /// Of a pin: moment in addition to its hinge's spring, opening[0] a^2 + opening[1] a^3. a is the
+  double shearStiffness = 0;          ///< N m/rad; N/m for a pin
+  /// Moment of a pin in addition to its hinge's spring, opening[0] a^2 + opening[1] a^3. a is the
   /// turn of brick B relative to A since the start about the normal; N m/rad^2, N m/rad^3.
   std::array<double, 2> opening = {};
 

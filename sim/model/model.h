@@ -39,7 +39,7 @@ struct Corner {
   }
 };
 
-/// What a joint holds.
+/// Kind of a joint.
 enum class JointKind {
   Pivot,  ///< the two corners coincide
   Link,   ///< the distance between the two corners stays as at the start, on the bottom faces

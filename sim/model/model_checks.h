@@ -168,7 +168,7 @@ struct ReadSettings {
   LengthUnit undeclaredUnit;  ///< of files without a declared unit
 };
 
-/// "file:line: mended: what was found; what was done".
+/// "file:line: repaired: what was found; what was done".
 std::string toString(const Repair& repair);
 
 /// Adds a repair to the model and its line to the warnings.

@@ -79,9 +79,9 @@ std::vector<fs::path> textFilesBeside(const fs::path& file) {
 }
 
 /// The file of vertices whose prefix matches the name; the longest prefix of several.
-std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path>& beside) {
+std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path>& siblings) {
   std::optional<fs::path> owner;
-  for (const fs::path& vertices : beside) {
+  for (const fs::path& vertices : siblings) {
     if (wordOf(vertices) != kVertices) continue;
     if (!file.filename().string().starts_with(prefixOf(vertices))) continue;
     if (!owner || prefixOf(vertices).size() > prefixOf(*owner).size()) owner = vertices;
@@ -91,10 +91,10 @@ std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path
 
 /// The files of a model with this content.
 std::vector<fs::path> partsOfModel(const fs::path& vertices, const std::string& word) {
-  const std::vector<fs::path> beside = textFilesBeside(vertices);
+  const std::vector<fs::path> siblings = textFilesBeside(vertices);
   std::vector<fs::path> parts;
-  for (const fs::path& file : beside) {
-    if (wordOf(file) == word && ownerOf(file, beside) == vertices) parts.push_back(file);
+  for (const fs::path& file : siblings) {
+    if (wordOf(file) == word && ownerOf(file, siblings) == vertices) parts.push_back(file);
   }
   return parts;
 }
@@ -113,8 +113,8 @@ bool contains(const std::vector<fs::path>& files, const fs::path& file) {
 
 /// The list that the user named: a path, or a file name in the folder of the vertices.
 fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
-  const fs::path beside = vertices.parent_path() / jointsFile;
-  return fs::exists(jointsFile) || !fs::exists(beside) ? jointsFile : beside;
+  const fs::path inFolder = vertices.parent_path() / jointsFile;
+  return fs::exists(jointsFile) || !fs::exists(inFolder) ? jointsFile : inFolder;
 }
 
 // The user's choice, else the matching list, else the default name, else the only list.
@@ -331,7 +331,7 @@ std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& m
 }
 
 /// The file of another part of the same model.
-fs::path beside(const fs::path& vertices, const std::string& part) {
+fs::path partFile(const fs::path& vertices, const std::string& part) {
   const std::string word = "vertices";
   std::string name = vertices.filename().string();
   name.replace(name.rfind(word), word.size(), part);
@@ -448,13 +448,13 @@ void writePlanarFiles(const Model& inOrder, const fs::path& vertices) {
   const SheetFrame frame = requirePlanar(inOrder, vertices);
   const Model model = inFileOrder(inOrder);
   writeTextFile(vertices, unitLine(model.unit) + planarTileText(toFrame(frame, model.tiles)));
-  writeTextFile(beside(vertices, "constraints"), planarJointText(model.joints));
+  writeTextFile(partFile(vertices, "constraints"), planarJointText(model.joints));
   if (!model.hull) return;
   std::string hull;
   for (const Corner& corner : *model.hull) {
     hull += fmt::format("{} {}\n", corner.tile, corner.vertex);
   }
-  writeTextFile(beside(vertices, "hull"), hull);
+  writeTextFile(partFile(vertices, "hull"), hull);
 }
 
 bool holdsPlanarModel(const fs::path& vertices) {

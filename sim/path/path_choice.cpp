@@ -147,7 +147,7 @@ class StallWatch {
   double bestTime_ = 0;
 };
 
-// Whether so many steps fail that exact joints jam.
+// Whether so many steps fail to converge that exact joints are jammed.
 bool isJammed(const run::DeployCost& cost) {
   return cost.took.unconverged > kJammedSteps && 2 * cost.took.unconverged > cost.took.steps;
 }
@@ -179,10 +179,10 @@ bool exactJointsJam(const scene::Scene& scene, run::SearchBudget& budget,
 /// Checks that bricks which may touch do not overlap in a trial, even in a trial without contacts.
 /// A run's own figures cover all pairs. If joined bricks may overlap, each sample is checked pair
 /// by pair instead.
-class TrialClearance {
+class TrialOverlaps {
  public:
   /// `requested`: the requested contacts, i.e. which pairs must not overlap.
-  TrialClearance(const scene::Scene& scene, scene::ContactFilter requested)
+  TrialOverlaps(const scene::Scene& scene, scene::ContactFilter requested)
       : isOfUnjoined_(requested == scene::ContactFilter::Unjoined),
         most_(run::kClearShare * model::tileSize(scene.model)),
         zone_(scene.environment.pivotZone),
@@ -199,8 +199,8 @@ class TrialClearance {
     };
   }
 
-  bool holds(const run::Accuracy& accuracy) const {
-    return isOfUnjoined_ ? isClear_ : accuracy.penetrationGrownMax <= most_;
+  bool areAllowed(const run::Accuracy& accuracy) const {
+    return isOfUnjoined_ ? isCollisionFree_ : accuracy.penetrationGrownMax <= most_;
   }
 
  private:
@@ -218,7 +218,7 @@ class TrialClearance {
       if (joined.contains(pair)) continue;
       double& given = (*atStart_)[pair];
       if (isStart) given = found.depth;
-      isClear_ = isClear_ && found.depth - given <= most_;
+      isCollisionFree_ = isCollisionFree_ && found.depth - given <= most_;
     }
   }
 
@@ -227,7 +227,7 @@ class TrialClearance {
   double zone_;
   std::vector<model::Brick> bricks_;
   std::vector<model::Pivot> pivots_;
-  bool isClear_ = true;
+  bool isCollisionFree_ = true;
   std::optional<std::map<std::pair<int, int>, double>> atStart_;  // overlap per pair, metres
 };
 
@@ -242,13 +242,13 @@ run::TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter requested,
   const run::Run* running = nullptr;
   WorkLimit limit(budget);
   const bool isAmongBricks = scene.environment.contacts != scene::ContactFilter::None;
-  TrialClearance clearance(scene, requested);
+  TrialOverlaps overlaps(scene, requested);
   run::RunObservers watch;
-  clearance.watch(watch);
+  overlaps.watch(watch);
   watch.step = [&](const trajectory::StepRecord& step) {
     if (!shouldContinue(running->cost().took.work) || !stalls(step)) return false;
     if (!limit.allows(running->cost())) return false;
-    return isAmongBricks ? clearance.holds(running->accuracy()) : !isJammed(running->cost());
+    return isAmongBricks ? overlaps.areAllowed(running->accuracy()) : !isJammed(running->cost());
   };
   run::Run run(scene, nearest, watch);
   running = &run;
@@ -267,7 +267,7 @@ run::TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter requested,
   // In a trial that was cut short, compliant joints might still open later.
   const bool isOpenEnded = scene.path.jointsAreCompliant() &&
                            result.outcome == run::Outcome::Interrupted && !end.arrives;
-  end.keepsClear = clearance.holds(accuracy) && !run.isHeldOpen() && !isOpenEnded;
+  end.isCollisionFree = overlaps.areAllowed(accuracy) && !run.isHeldOpen() && !isOpenEnded;
   return end;
 }
 
@@ -294,8 +294,8 @@ class PathSearch {
     const bool fitsAtTarget = !atTarget_.isBlocked;
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != scene::ContactFilter::None;
-    choice.isFound = last_.arrives && (!contacts || last_.keepsClear);
-    choice.isClear = last_.arrives && last_.keepsClear;
+    choice.isFound = last_.arrives && (!contacts || last_.isCollisionFree);
+    choice.isCollisionFree = last_.arrives && last_.isCollisionFree;
     choice.isCutShort = !choice.isFound && isCutShort();
     const bool isWanting = contacts && !choice.isFound;
     if (isOver_ || !isWanting) return choice;
@@ -357,7 +357,7 @@ class PathSearch {
 
   bool isCutShort() const { return cutShort_ > 0 || isIncomplete_; }
 
-  /// What is unknown because of the budget. Empty if nothing is.
+  /// The results that are unknown because of the budget. Empty if none.
   std::string describeUntried() const {
     if (!isCutShort()) return "";
     std::vector<std::string> parts;
@@ -428,7 +428,7 @@ class PathSearch {
       const std::string what = describe(path) + " with contacts";
       if (!mayTry(what)) return {};
       const bool found = arrives(path, bricks, what);
-      if (isOver_ || !last_.keepsClear) continue;
+      if (isOver_ || !last_.isCollisionFree) continue;
       if (last_.opening > kOpeningShare * model::tileSize(scene_.model)) {
         if (found && !wide_) wide_ = {path, last_};
         continue;

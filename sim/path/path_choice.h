@@ -18,7 +18,7 @@ struct PathChoice {
   scene::PathSettings path;  ///< Straight or Guided
   std::string reason;        ///< one short phrase for the summary
   bool isFound = false;      ///< it reaches the target, without overlaps if contacts are on
-  bool isClear = false;      ///< no bricks met on the path
+  bool isCollisionFree = false;  ///< no collision on the path
   bool isCutShort = false;   ///< the budget was spent before the search ended
   /// A path that reaches the target, but with overlaps.
   std::optional<scene::PathSettings> through = std::nullopt;
@@ -32,18 +32,17 @@ struct TargetFindings {
 };
 
 /// Selects a path if the scene leaves the choice to the program. A path that the scene names is
-/// kept. First tries paths without contacts, ground and gravity: a path that joints forbid
-/// stays forbidden with them. The order is from simple to complex: exact joints before
-/// compliant ones, stiff before soft. The first path that reaches the equilibrium of the
-/// scene's springs near the target is taken. If bricks overlap on it, paths are tried with
-/// contacts and with joints that open by at most a hundredth of a tile. If no path arrives, the
-/// one that comes nearest without overlaps is taken. The reason then says whether wider joints
-/// would arrive. Springs without stiffness do not pull. If there is no pull to a target and the
-/// tiles' misfit jams exact joints, all joints are compliant. A trial has the same settings as
-/// the run. A trial may use a third of the remaining budget. Running out of budget is not a
-/// failure, and the reason mentions it. `observer` may be empty. `trials` holds the results of
-/// earlier trials, which are not repeated. New results are appended, except for a trial that
-/// the observer stopped.
+/// kept. First tries paths without contacts, ground and gravity: a path that joints forbid stays
+/// forbidden with them. The order is from simple to complex: exact joints before compliant ones,
+/// stiff before soft. The first path that reaches the equilibrium of the scene's springs near the
+/// target is taken. If bricks overlap on it, paths are tried with contacts and with joints that
+/// open by at most a hundredth of a tile. If no path arrives, the one that comes nearest without
+/// overlaps is taken. The reason then reports whether wider joints would arrive. Springs without
+/// stiffness do not pull. If there is no pull to a target and the tiles' misfit jams exact joints,
+/// all joints are compliant. A trial has the same settings as the run. A trial may use a third of
+/// the remaining budget. Running out of budget is not a failure, and the reason mentions it.
+/// `observer` may be empty. `trials` holds the results of earlier trials, which are not repeated.
+/// New results are appended, except for a trial that the observer stopped.
 PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
                       run::SearchBudget& budget, const run::TrialObserver& observer,
                       std::vector<run::TrialEnd>& trials);

@@ -38,7 +38,7 @@ namespace {
 // ------------------------------------------------------------------------------------------------
 // The candidates.
 
-/// What a candidate follows.
+/// The motion that a candidate follows.
 enum class Guide {
   OwnMotion,     ///< each tile's own motion to the goal
   FromTarget,    ///< the same backwards from the goal; joints may be compliant near the start
@@ -276,9 +276,9 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
                                            const PathObserver& shouldContinue) {
   const run::PathEvaluation& before = found.evaluation;
   const double tile = model::tileSize(scene.model);
-  const double clear = run::kClearShare * tile;
+  const double allowed = run::kClearShare * tile;
   const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
-  if (isSmooth && before.overlapGrowth <= clear && before.opening == 0) return std::nullopt;
+  if (isSmooth && before.overlapGrowth <= allowed && before.opening == 0) return std::nullopt;
   const double spent = budget.spent();
   run::GeometricPath better = found;
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
@@ -286,7 +286,7 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
       arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
   better.path = smoothed(scene, found, contacts, budget, shouldContinue);
   // Without overlaps on the found path, a path near it needs no contacts.
-  if (before.overlapGrowth > clear) better.contacts = contacts;
+  if (before.overlapGrowth > allowed) better.contacts = contacts;
   evaluate(scene, better);
   run::PathEvaluation& after = better.evaluation;
   after.candidate = "smoothed: " + before.candidate;
@@ -294,7 +294,7 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   const run::PathEvaluation improved = after;
   // Joints with smaller gaps count as closed.
   const double closed = found.path.isRounded ? 0 : run::kOpenJoints * tile;
-  if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
+  if (after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
       after.opening <= std::max(before.opening, closed) && after.stepChange < before.stepChange) {
     found = std::move(better);
   }
@@ -416,11 +416,11 @@ class Planner {
 
   /// Whether bricks that may touch overlap at the goal by more than at the start.
   bool isBlocked() {
-    if (!isBlocked_) isBlocked_ = mayTouch(scene_) && growthAt(nearest_.poses) > clear();
+    if (!isBlocked_) isBlocked_ = mayTouch(scene_) && growthAt(nearest_.poses) > allowedGrowth();
     return *isBlocked_;
   }
 
-  double clear() const { return run::kClearShare * tile_; }
+  double allowedGrowth() const { return run::kClearShare * tile_; }
 
   /// The growth of overlaps at a state, for bricks that may touch, metres.
   double growthAt(const Poses& state) const {
@@ -442,7 +442,7 @@ class Planner {
       if (!arrives || !isStiffer || isOver_) break;
       if (!candidate.hasContacts && std::isfinite(candidate.jointStiffness)) previous_ = guide;
       if (!candidate.stiffens) break;
-      if (candidate.hasContacts && evaluation.overlapGrowth > clear()) break;
+      if (candidate.hasContacts && evaluation.overlapGrowth > allowedGrowth()) break;
       last = evaluation;
       candidate.jointStiffness *= kStiffer;
       candidate.guide = Guide::PreviousPath;
@@ -502,7 +502,7 @@ class Planner {
     const double gap = trajectory::jointGap(pivots_, nearest_.poses).max;
     if (!isRounded && gap > run::kExactShare * tile_) return;
     const double grown = growthAt(path.states.back());
-    if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, clear())) return;
+    if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, allowedGrowth())) return;
     path.lengths.push_back(path.length() +
                            run::pathDistance(bricks_, path.states.back(), nearest_.poses));
     path.states.push_back(nearest_.poses);

@@ -14,7 +14,7 @@
 namespace kirireel::run {
 
 // ------------------------------------------------------------------------------------------------
-// What "closed" means for the joints of a model whose coordinates were rounded.
+// The meaning of "closed" for the joints of a model with rounded coordinates.
 //
 // Tiles of an over-constrained mechanism fit each other in all states only with exact coordinates.
 // If these are rounded by d, in tiles, the tiles misfit by about d, and only the start closes

@@ -53,25 +53,25 @@ std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::N
 }
 
 // ------------------------------------------------------------------------------------------------
-// The direct solver with contacts, in two ways.
+// The direct solver with contacts. It has two kinds of steps.
 //
 // *Fixed steps* (advance): the joint solver's own step with a contact finder.
 //
 // *Steps to a tolerance* (advanceToTolerance): see tolerance_steps.cpp.
 //
-// The solver knows obstacles, as the ground, by their contacts alone.
+// The solver handles obstacles and the ground only through their contacts.
 
 namespace {
 
-// Overlaps below this part of a tile, and of the thickness, count as none.
+// Smaller overlaps, as a fraction of a tile and of the thickness, are ignored.
 constexpr double kTilePart = 1e-5;
 constexpr double kThicknessPart = 2e-3;
-// Points of bricks touch below this part of the tolerance in time.
+// Points of bricks touch below this fraction of the tolerance in time.
 constexpr double kTouchingPart = 0.1;
-// Joints are closed below this part of a tile.
+// Joints with smaller gaps are closed, fraction of a tile.
 constexpr double kClosed = 1e-10;
 
-/// Where the bricks of a planar scene rub on the ground, with an even pressure.
+/// Points of friction of the bricks of a planar scene on the ground, for an even pressure.
 std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
                                                const std::vector<model::Brick>& bricks) {
   std::vector<mechanics::Support> supports;
@@ -92,13 +92,13 @@ std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const 
   return supports;
 }
 
-/// The forces of all points in which two things touch.
+/// The forces of all contact points of two bodies.
 struct PairSum {
   Vector3 force = Vector3::Zero();
   Vector3 moment = Vector3::Zero();  // about the origin
   Vector3 pointSum = Vector3::Zero();
   double weight = 0;
-  bool isPushed = false;  // points that only rub count until one pushes
+  bool isPushed = false;  // points with only friction count until one pushes
 
   void add(const mechanics::TouchForce& touch, double sign) {
     force += sign * touch.force;
@@ -112,7 +112,7 @@ struct PairSum {
     weight += share;
   }
 
-  /// About the middle of what pushes, or of what rubs where nothing pushes.
+  /// About the centre of the pushing points, or of the friction points if no point pushes.
   trajectory::Hold resultant(int tile, int other) const {
     const Vector3 point = pointSum / weight;
     return {trajectory::HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
@@ -175,7 +175,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
   exactContacts_ = finder(touching_);
 }
 
-// A state that cannot be closed is given back as it was.
+// Leaves a state that cannot be closed unchanged.
 bool DirectDynamics::assemble(Poses& poses) {
   Poses closed = poses;
   if (solver_->assemble(closed) > kClosed * tileSize_) return false;
@@ -192,7 +192,7 @@ void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
   solver_->setPinned(pinned);
 }
 
-/// The actuation with what surrounds the bricks.
+/// The actuation with the environment.
 mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actuation) const {
   return [this, &actuation](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
     checkInterruption();  // a step may be halved many times
@@ -274,16 +274,16 @@ void DirectDynamics::transfer(StateTape& tape) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// An engine as the solver of a run: in each of its substeps the loads are computed anew from the
-// present poses and applied as plain forces, the damping taken at the present velocities. So an
-// engine's step is explicit in the springs, and short substeps are needed where they are stiff.
-// What an engine cannot hold (links, obstacles, pins) is refused.
+// An engine as the solver of a run. Each substep recomputes the loads from the current poses and
+// velocities and applies them as forces. An engine's step is therefore explicit in the springs, and
+// stiff springs need short substeps. Links, obstacles and pins are refused, because engines do not
+// support them.
 
 namespace {
 
-constexpr int kSubsteps = 20;  // as PyKirigami has
+constexpr int kSubsteps = 20;  // as in PyKirigami
 
-// The pivots of a scene whose joints are all points that tiles share. Throws InputError at a link.
+// The pivots of a scene whose joints are all pivots. Throws InputError at a link.
 std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
                                        const std::vector<model::Brick>& bricks) {
   std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
@@ -310,14 +310,14 @@ WorldDynamics::WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int sub
                              std::size_t brickCount)
     : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
 
-// Pinning none is allowed, since every run says so at its start.
+// An empty set of pins is allowed, because every run sets its pins at the start.
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
   throw InputError("error: `solver = bullet` does not support pinned tiles. Use `solver = direct`");
 }
 
-// One step as equal substeps. The motion is written to the engine first: what was changed outside
-// (closed joints, a reset) counts.
+// One step as equal substeps. The motion is first written to the engine, because it may have been
+// changed outside (closed joints, a reset).
 StepReport WorldDynamics::advance(Motion& motion, double step,
                                   const mechanics::LoadSource& actuation) {
   world_->writeMotion(motion);
@@ -326,7 +326,7 @@ StepReport WorldDynamics::advance(Motion& motion, double step,
     for (std::size_t i = 0; i < loads_.size(); ++i) {
       Vector6 velocity;
       velocity << motion.velocities[i].linear, motion.velocities[i].angular;
-      // An engine takes no stiffness or damping: the load is a plain force at the present state.
+      // An engine has no stiffness or damping of loads: they are forces at the current state.
       const Vector6 force = loads_[i].force - loads_[i].damping * velocity;
       world_->applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
     }
@@ -338,7 +338,7 @@ StepReport WorldDynamics::advance(Motion& motion, double step,
   return report;
 }
 
-// An engine has no estimate of its error: it takes the time as one step.
+// An engine has no error estimate, so this is one step.
 StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
                                              const mechanics::TimedLoads& actuation) {
   return advance(motion, seconds, [&](const Poses& poses, std::vector<model::Load>& loads) {
@@ -359,18 +359,18 @@ std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Keeping a path symmetric. A state is replaced by the mean of its images under the group
-// (model/isometry.h) where it has drifted from it by more than the asymmetry of closed states
-// themselves; the mean of closed states is closed to the second order of the drift, and its joints
-// are closed again where that is not enough. A mean that cannot be closed is not taken.
+// Keeping a path symmetric. If a state differs from the mean of its images under the group
+// (model/isometry.h) by more than the asymmetry of closed states, the mean replaces it. The mean of
+// closed states is closed to the second order of the difference. If this is not enough, its joints
+// are closed. If they cannot be closed, the state stays as it is.
 
 namespace {
 
-// A state has a symmetry up to this part of a tile.
+// Tolerance of the symmetry of a state, fraction of a tile.
 constexpr double kSymmetric = 1e-6;
-// Below this part of a tile asymmetry is that of the model's own data, which closed states have.
+// Asymmetry of closed states due to the model's rounded data, fraction of a tile.
 constexpr double kNegligible = 5e-10;
-// Joints are closed up to this part of a tile.
+// Largest gap of closed joints, fraction of a tile.
 constexpr double kClosedImage = 1e-11;
 
 }  // namespace
@@ -382,16 +382,16 @@ SymmetricStates::SymmetricStates(const scene::Scene& scene, std::vector<model::S
       model::makePivots(scene.model.joints, model::makeBricks(scene.model.tiles, scene.brick));
 }
 
-// Drops symmetries that the state does not have, so that the rest are those to be kept from here
-// on. The symmetries of one state form a group again.
+// Drops symmetries that the state does not have. The remaining ones form a group and are kept from
+// now on.
 void SymmetricStates::keepThoseOf(const Poses& state) {
   std::erase_if(group_, [&](const model::Symmetry& symmetry) {
     return model::asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
   });
 }
 
-// Replaces a state by its mean over the group where it has drifted. It leaves the state as it is
-// where the mean cannot be closed.
+// Replaces a state that has drifted by its mean over the group. Leaves the state unchanged if the
+// mean cannot be closed.
 void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
   if (group_.size() < 2) return;
   if (model::asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;

@@ -80,7 +80,7 @@ struct Accuracy {
   }
 };
 
-/// What a run cost.
+/// The cost of a run.
 struct DeployCost {
   StepReport took;              ///< all steps
   double cpuSeconds = 0;        ///< of the deploying thread, without the search for a path

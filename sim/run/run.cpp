@@ -504,7 +504,7 @@ std::string RunReasons::friction() const {
       pull, most);
 }
 
-// What prevents a run at rest from reaching its target.
+// The reason why a run at rest has not reached its target.
 std::string RunReasons::stopReason() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline solver reports no reason";

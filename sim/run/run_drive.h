@@ -93,7 +93,7 @@ std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
 // ------------------------------------------------------------------------------------------------
 // Phases of the path to a target.
 
-/// What moves the bricks at present. A guided path goes through these phases from one target to the
+/// The current drive of the bricks. A guided path goes through these phases from one target to the
 /// next. All other runs are always in the last phase.
 enum class Phase {
   Open,    ///< bricks are pushed apart to make room

@@ -169,8 +169,8 @@ RunMechanics::RunMechanics(const SceneBricks& bricks, const ActingForces& acting
       reactions_(mechanics::makeReactionSolver(bricks.bricks, bricks.ties.pivots,
                                                bricks.needs.planar.on, bricks.tileSize)) {}
 
-// A change of spring energy since the end of the last step is work of whatever moved or stiffened
-// the springs.
+// Springs may have been moved or stiffened since the end of the last step. The change of their
+// energy counts as work.
 void RunMechanics::begin(double time, const Motion& motion) {
   trajectory::Energies& now = account_.now;
   const double there = now.kinetic + now.spring + now.elastic;

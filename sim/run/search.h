@@ -14,7 +14,7 @@ struct TrialEnd {
   bool jams = false;      ///< exact joints could not be held along the path
   bool cutShort = false;  ///< the budget ended it: the result is unknown
   /// No overlap grows beyond the start or prevents compliant joints from closing.
-  bool keepsClear = false;
+  bool isCollisionFree = false;
   double error = 0;    ///< target error at its end, metres
   double opening = 0;  ///< largest opening of compliant joints, metres
   double work = 0;     ///< cost of the trial, see SearchBudget
@@ -23,7 +23,7 @@ struct TrialEnd {
   static constexpr auto fields() {
     return describeFields<TrialEnd>(
         field("arrives", &TrialEnd::arrives), field("jams", &TrialEnd::jams),
-        field("cut_short", &TrialEnd::cutShort), field("keeps_clear", &TrialEnd::keepsClear),
+        field("cut_short", &TrialEnd::cutShort), field("keeps_clear", &TrialEnd::isCollisionFree),
         field("error", &TrialEnd::error, "m"), field("opening", &TrialEnd::opening, "m"),
         field("work", &TrialEnd::work));
   }

@@ -2,17 +2,16 @@
 // held.
 //
 // 1. Contacts that still touch are held.
-// 2. A step is tried, with a filter: where bricks meet on the way it is not taken, and what they
-//    met is kept.
-// 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
-//    found by bisection between the step's ends, on cubics; the first of these moments is the
-//    impact.
-//    The same is done for the moment at which a corner that pushes leaves the region of two faces.
-// 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
-//    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
-//    contacts are held from then on.
-// 5. After more than eight impacts in one call, or where no step keeps the tolerance, the rest of
-//    the call goes by fixed steps of first order, and the report says for how long.
+// 2. A filter checks each step. If bricks collide during the step, it is rejected, and the violated
+//    contacts are stored.
+// 3. For each of these contacts, bisection on cubics between the step's ends finds the moment at
+//    which its gap becomes 0. The first of these moments is the impact. The moment at which a
+//    pushing corner leaves the region of two faces is found in the same way.
+// 4. A step ends exactly at this moment. The impact changes velocities by the least amount in the
+//    metric of the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping
+//    process). Its contacts are held from then on.
+// 5. After more than eight impacts in one call, or if no step keeps the tolerance, the rest of the
+//    call has fixed steps of first order. The report contains their duration.
 #include "sim/run/tolerance_steps.h"
 
 #include <algorithm>
@@ -24,14 +23,14 @@
 namespace kirireel::run {
 namespace {
 
-// Times closer than this part of each other are the same.
+// Times that differ by less than this fraction of a call are the same.
 constexpr double kSameMoment = 1e-9;
 constexpr int kMostImpacts = 8;  // in one call
-// Where they crowd, or contacts change too fast, so many calls go by first order at once.
+// After too many impacts or changes of contacts, this number of calls has only first-order steps.
 constexpr int kCallsToWait = 8;
 constexpr int kImpactBisections = 60;  // to the last bit
 
-/// The motion of the bricks of a contact alone. Numbers them anew in the contact.
+/// The motion of only the bricks of a contact. Renumbers them in the contact.
 Motion motionOf(model::Contact& contact, const Motion& all) {
   Motion motion;
   for (int* number : {&contact.brickA, &contact.brickB}) {
@@ -43,8 +42,8 @@ Motion motionOf(model::Contact& contact, const Motion& all) {
   return motion;
 }
 
-/// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
-/// last moment at which it is open.
+/// When a contact closes during a step, seconds after its start and at most `latest`: the last
+/// moment at which it is open.
 double momentOfClosing(const model::Contact& closing, const Motion& from, const Motion& to,
                        double seconds, double latest) {
   model::Contact contact = closing, atEnd = closing;
@@ -170,8 +169,8 @@ double ToleranceSteps::collide(double now, const std::vector<model::Contact>& cl
   return energy - trajectory::kineticEnergy(bricks_, motion);
 }
 
-/// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
-/// until that cannot be done. Returns the seconds done.
+/// Takes steps that keep the tolerance, from impact to impact, until the end of the call or until
+/// no step keeps it. Returns the seconds done.
 double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
                                        const mechanics::TimedLoads& loads, StepReport& report) {
   const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
@@ -209,9 +208,9 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
   return done;
 }
 
-/// Goes on from one moment of the call to another in equal steps of first order, among contacts.
-StepReport ToleranceSteps::goOnByFirstOrder(Motion& motion, double begin, double end,
-                                            const mechanics::TimedLoads& loads) {
+/// Advances from one moment of the call to another in equal steps of first order with contacts.
+StepReport ToleranceSteps::advanceByFirstOrder(Motion& motion, double begin, double end,
+                                               const mechanics::TimedLoads& loads) {
   const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameMoment);
   const int count = std::max(1, static_cast<int>(parts));
   StepReport report;
@@ -226,7 +225,7 @@ StepReport ToleranceSteps::goOnByFirstOrder(Motion& motion, double begin, double
   return report;
 }
 
-// First as far as the tolerance can be kept, then by fixed steps.
+// Steps to the tolerance as far as possible, then fixed steps.
 StepReport ToleranceSteps::advance(Motion& motion, double seconds,
                                    const mechanics::TimedLoads& loads, bool isPinned) {
   isPinned_ = isPinned;
@@ -241,10 +240,10 @@ StepReport ToleranceSteps::advance(Motion& motion, double seconds,
       isWaiting || contacts_.isRubbing || meeting_ || !solver_.heldContacts().empty();
   (touch ? report.touchingTime : report.singularTime) += seconds - done;
   if (touch && !isWaiting) callsToWait_ = kCallsToWait;
-  // The last is the first of the steps that follow.
+  // The last state is repeated as the start of the steps that follow.
   if (done == 0) passed_.clear();
   if (!passed_.empty()) passed_.pop_back();
-  report += goOnByFirstOrder(motion, done, seconds, loads);
+  report += advanceByFirstOrder(motion, done, seconds, loads);
   return report;
 }
 

@@ -14,17 +14,18 @@
 
 namespace kirireel::run {
 
-/// What bricks run into in steps to a tolerance.
+/// Contact finders for steps to a tolerance.
 struct ToleranceContacts {
   contacts::ContactFinder* coarse =
-      nullptr;  ///< for steps of first order; null where nothing can be touched
-  contacts::ContactFinder* exact = nullptr;  ///< for those that keep the tolerance; null likewise
+      nullptr;  ///< for steps of first order; null if no contact is possible
+  contacts::ContactFinder* exact =
+      nullptr;  ///< for steps to the tolerance; null if no contact is possible
   double touching = 0;                       ///< gap of points that touch, metres
   bool isRubbing = false;                    ///< planar bricks rub on a ground with friction
 };
 
-/// Takes steps that keep a tolerance among contacts that are held, and steps of first order where
-/// that cannot be done.
+/// Takes steps that keep a tolerance while contacts are held, and steps of first order if that is
+/// impossible.
 class ToleranceSteps {
  public:
   /// Bricks, solver and finders must outlive this. `firstOrderStep`: see TimeTolerance.
@@ -37,16 +38,16 @@ class ToleranceSteps {
         firstOrderStep_(firstOrderStep),
         extrapolation_(bricks, solver, settings) {}
 
-  /// Advances the motion by so many seconds. `isPinned`: some brick is.
+  /// Advances the motion by `seconds`. `isPinned`: whether any brick is pinned.
   StepReport advance(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                      bool isPinned);
 
   /// The states between the ends of the last call, in order.
   std::vector<mechanics::PassedState>& passed() { return passed_; }
-  /// The states within the last step, in rising time, its ends left out.
+  /// The same, read-only.
   const std::vector<mechanics::PassedState>& passed() const { return passed_; }
 
-  /// What the next call takes from those before.
+  /// State that the next call needs from earlier calls.
   void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_); }
 
  private:
@@ -59,17 +60,16 @@ class ToleranceSteps {
   double collide(double now, const std::vector<model::Contact>& closing, Motion& motion);
   double advanceByOrders(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                          StepReport& report);
-  StepReport goOnByFirstOrder(Motion& motion, double begin, double end,
-                              const mechanics::TimedLoads& loads);
+  StepReport advanceByFirstOrder(Motion& motion, double begin, double end,
+                                 const mechanics::TimedLoads& loads);
 
-  /// A step that was not taken, because bricks meet in it, or because a corner of a region pushes
-  /// that leaves it.
+  /// A rejected step: bricks collide in it, or a pushing corner leaves its region.
   struct Meeting {
     Motion from;
     Motion to;
     double seconds = 0;
-    std::vector<model::Contact> contacts;  // that are violated at its end, whole planes of them
-    bool isLeaving = false;                // else they meet
+    std::vector<model::Contact> contacts;  // violated at its end, whole planes of them
+    bool isLeaving = false;                // else bricks collide
   };
 
   const std::vector<model::Brick>& bricks_;
@@ -78,8 +78,8 @@ class ToleranceSteps {
   double firstOrderStep_;  // seconds
   mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;
-  std::optional<Meeting> meeting_;  // of the step that was tried last
-  int callsToWait_ = 0;             // by first order, after impacts crowded
+  std::optional<Meeting> meeting_;  // of the last tried step
+  int callsToWait_ = 0;             // of first order, after too many impacts
   std::vector<mechanics::PassedState> passed_;
 };
 

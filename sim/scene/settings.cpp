@@ -367,7 +367,7 @@ SettingGroup pathSettings() {
            .with(mayOpenJoints, "`path = auto`, `path = continuation` or `path = guided`"),
        number<&Scene::path, &PathSettings::searchEffort>(
            "search_effort", {0, 1e9}, "FACTOR",
-           "how much work the search for a path may do, over the usual")}};
+           "factor on the work limit of the search for a path")}};
 }
 
 /// The ground; added if there is none yet.

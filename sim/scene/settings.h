@@ -67,7 +67,7 @@ LigamentStiffness parseLigament(const TypedValue& value);
 /// scale of folds, >= 0.
 PanelMaterial parsePanels(const TypedValue& value);
 
-/// The error for an invalid value: "NAME: 'TEXT' is not allowed; give WANTED".
+/// The error for an invalid value: "NAME: 'TEXT' is not allowed; give ALLOWED".
 InputError valueError(const TypedValue& value, const std::string& requested);
 
 /// The words that a setting accepts, with their values.

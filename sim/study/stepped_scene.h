@@ -50,7 +50,8 @@ struct Method {
   int substeps = 1;              ///< of the engine per step
   int iterations = 0;            ///< per substep, for iterative engines
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
-  /// Of our solver, in time, tiles: `rate` is then that of the longest step. 0: fixed steps.
+  /// Tolerance in time of our solver, tiles; `rate` is then that of the longest step. 0: fixed
+  /// steps.
   double tolerance = 0;
 };
 
@@ -94,7 +95,7 @@ class SteppedScene {
 
   /// One per tile.
   const std::vector<model::Brick>& bricks() const { return bricks_; }
-  /// Of all joints.
+  /// The pivots of all joints.
   const std::vector<model::Pivot>& pivots() const { return pivots_; }
   /// The current motion.
   const Motion& motion() const { return motion_; }

@@ -26,7 +26,7 @@ std::size_t entryCount(const Shape& shape);
 /// any time stamp: the same calls give the same bytes.
 class ArrayWriter {
  public:
-  /// What happens to an existing file.
+  /// Treatment of an existing file.
   enum class Opening { Replace, Extend };
 
   /// Creates the file, or opens a closed one for more arrays. `shownPath` is its name in messages.

@@ -55,8 +55,8 @@ struct RunCurves {
   ///     Lost energy       taken so far by dampers, by contacts and by the integrator, J
   ///     Joint force       mean and largest, and the largest of those that are indeterminate, N
   ///     Force on held tiles   the largest of a pin, of a grip and of a contact, N
-  ///     Target error      largest, as samples have it, and mean of the vertices, m
-  ///     Joint gap, Overlap    as samples have them, m
+  ///     Target error      largest, as in samples, and mean of the vertices, m
+  ///     Joint gap, Overlap    as in samples, m
   ///     Radius            largest distance of a vertex from the mean of all, m
   std::vector<CurveGroup> groups;
   /// For each joint its opening in degrees, the magnitude of its force in newtons and whether that

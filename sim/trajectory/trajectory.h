@@ -66,7 +66,7 @@ struct Energies {
   }
 };
 
-/// What holds a tile in addition to joints.
+/// Holds of a tile in addition to joints.
 enum class HoldKind {
   Pin,      ///< fixed in space
   Grip,     ///< dragged by a spring

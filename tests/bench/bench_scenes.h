@@ -23,7 +23,7 @@ struct NamedScene {
 std::vector<NamedScene> modelScenes(const std::filesystem::path& folder);
 
 /// A square sheet that opens from 0 to 90 degrees, without contacts. Joints on both faces are
-/// hinges, two point joints each to Bullet; on the bottom alone they are one.
+/// hinges, which are two point joints in Bullet. Joints only on the bottom are one.
 scene::Scene sheetScene(int side, bool planar, scene::SolverKind kind,
                         model::JointFace face = model::JointFace::Both);
 

@@ -1,4 +1,4 @@
-// Which sparse Cholesky factorisation suits a step of joined tiles: BlockCholesky beside CHOLMOD
+// Compares sparse Cholesky factorisations of a step of joined tiles: BlockCholesky, CHOLMOD
 // (supernodal, ordered by AMD or METIS) and Eigen's SimplicialLDLT (AMD), on the matrices of the
 // joint solver,
 //   H = M + kappa J^T J,
@@ -9,7 +9,7 @@
 //
 //     build/release/tests/bench/cholesky [--runs N] [--tiles N ...]
 //
-// CHOLMOD is in Debian's libsuitesparse-dev, its BLAS is whatever libblas.so.3 is.
+// CHOLMOD is in Debian's libsuitesparse-dev, its BLAS is that of libblas.so.3.
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -46,7 +46,7 @@ std::vector<SharedCorner> cornersOf(int n) {
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x) {
       const int tile = y * n + x;
-      // Slits alternate, so that neighbours keep one corner of their common side.
+      // Slits alternate. Neighbours then keep one corner of their common side.
       const double side = (x + y) % 2 == 0 ? 0.5 : -0.5;
       if (x + 1 < n) corners.push_back({tile, tile + 1, {0.5, side, 0}, {-0.5, side, 0}});
       if (y + 1 < n) corners.push_back({tile, tile + n, {-side, 0.5, 0}, {-side, -0.5, 0}});
@@ -108,7 +108,7 @@ Eigen::SparseMatrix<double> lowerTriangle(const Blocks<D>& h) {
   return lower;
 }
 
-/// One way to factor and solve. Each call does all that a step pays: the values set, one
+/// One method to factor and solve. Each call does all that a step pays: the values set, one
 /// factorisation, one solve.
 struct Contender {
   std::string name;

@@ -3,9 +3,9 @@
 // found (without a target, the factor by which the tiles' squared distances from their centre
 // grew), how deep bricks overlapped beyond the start, the largest joint gap (where joints open,
 // also the least that the string method finds), the path's length over the one of the tiles' own
-// motions (where that is long, in how many ways the tiles can move), how far states are from the
-// symmetries that the model has, and CPU seconds: of the search, and of the run. Lengths are in
-// tiles. A row begins with "holds", or with what it misses:
+// motions (and the mobility of the tiles if it is long), how far states are from the symmetries
+// that the model has, and CPU seconds: of the search, and of the run. Lengths are in tiles. A row
+// begins with "holds", or with what it misses:
 //   far      it ends farther from the target than 1.05 x the least error found and 1e-6 tiles
 //   long     its path is longer than 1.5 x the tiles' own motions, and 5% longer than the least
 //            to which the string method shortens it: many mechanisms have no path of that length
@@ -80,7 +80,7 @@ double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajec
   return length / run::pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
-/// In how many ways the tiles can move at a part of the run, beyond moves of the whole.
+/// Mobility of the tiles at a fraction of the run, without rigid motions of the whole.
 int freedomsAt(const scene::Scene& scene, const trajectory::Trajectory& trajectory, double part) {
   const auto last = static_cast<double>(trajectory.samples.size() - 1);
   const trajectory::Sample& middle =
@@ -110,7 +110,7 @@ std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
 }
 
 /// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
-/// counts as clear.
+/// counts as collision-free.
 double mostGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
   return std::max(run::kClearShare * model::tileSize(scene.model),
                   result.accuracy.penetrationGrownMax);
@@ -235,18 +235,18 @@ void addOverlap(const scene::Scene& scene, const run::DeploymentResult& result, 
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
   row.add(fmt::format("overlap {:8.1e}", grown / tile));
-  const bool isSaid = std::ranges::any_of(result.warnings, [](const std::string& warning) {
+  const bool isReported = std::ranges::any_of(result.warnings, [](const std::string& warning) {
     return warning.find("bricks pass") != std::string::npos ||
            warning.find("into each other") != std::string::npos;
   });
-  row.require(grown <= run::kClearShare * tile || isSaid, "overlap");
+  row.require(grown <= run::kClearShare * tile || isReported, "overlap");
 }
 
 void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
   if (scene.model.target) model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 30, nullptr);
-  const bool isWalked = result.path.kind == scene::PathKind::Continuation;
+  const bool isContinuation = result.path.kind == scene::PathKind::Continuation;
   Row row;
   addEnd(scene, result, row);
   addOverlap(scene, result, row);
@@ -258,9 +258,9 @@ void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
       "{:<12} {:<30} {:>4} {:<11} {:<12}{} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       row.missed.empty() ? "holds" : fmt::format("{}", fmt::join(row.missed, ",")), name,
       scene.model.tiles.size(), run::toString(result.outcome),
-      isWalked ? "continuation" : "dynamic", row.words, asymmetryOf(scene, result.trajectory),
+      isContinuation ? "continuation" : "dynamic", row.words, asymmetryOf(scene, result.trajectory),
       result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
-      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
+      result.cost.cpuSeconds, isContinuation ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
@@ -309,7 +309,7 @@ int main(int count, char** arguments) {
   int first = 0, members = 40;
   std::size_t tiles = 100;
   program.add_option("folders", folders, "models, or folders of models");
-  program.add_option("--search-effort", scene.path.searchEffort, "work over the usual");
+  program.add_option("--search-effort", scene.path.searchEffort, "work relative to the default");
   program.add_option("--thickness", scene.brick.thickness, "metres; else from the model");
   program.add_option("--contacts", contacts, "auto, none, unjoined or all");
   const CLI::Option* drawn = program.add_option("--seed", seed, "draw members of all families");

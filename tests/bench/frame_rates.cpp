@@ -1,6 +1,6 @@
-// Whether anything but the samples depends on how often a run is looked at: every model of a
-// folder, deployed at eight rates, contacts auto, none and all. Prints a row for each model, and
-// ends with 1 where a run differs from the one at 60 samples a second.
+// Whether anything except the samples depends on the sample rate: every model of a folder, deployed
+// at eight rates, contacts auto, none and all. Prints a row for each model, and ends with 1 where a
+// run differs from the one at 60 samples a second.
 //
 //     build/release/tests/bench/frame_rates [MODELS] [--dynamic] [--search-effort FACTOR]
 
@@ -36,15 +36,16 @@ std::vector<double> figuresOf(const scene::Scene& scene, double rate,
 
 /// Returns whether all runs agree.
 bool compareRates(const std::string& name, const scene::Scene& scene, const char* contacts) {
-  run::DeploymentResult usual;
-  const std::vector<double> figures = figuresOf(scene, 60, usual);
+  run::DeploymentResult reference;
+  const std::vector<double> figures = figuresOf(scene, 60, reference);
   std::string differing;
   for (const double rate : kRates) {
     run::DeploymentResult result;
     if (figuresOf(scene, rate, result) != figures) differing += fmt::format(" {:g}", rate);
   }
-  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts, run::toString(usual.outcome),
-             usual.cost.took.steps, differing.empty() ? "same" : "differs at" + differing);
+  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts,
+             run::toString(reference.outcome), reference.cost.took.steps,
+             differing.empty() ? "same" : "differs at" + differing);
   std::fflush(stdout);
   return differing.empty();
 }
@@ -86,7 +87,7 @@ int main(int count, char** arguments) {
   kirireel::scene::Scene scene = kirireel::scene::openScene();
   bool isDynamic = false;
   program.add_option("models", folder, "a model, or a folder of models");
-  program.add_option("--search-effort", scene.path.searchEffort, "work over the usual");
+  program.add_option("--search-effort", scene.path.searchEffort, "work relative to the default");
   program.add_flag("--dynamic", isDynamic, "springs that move masses, instead of the default path");
   CLI11_PARSE(program, count, arguments);
   if (isDynamic) scene.path.kind = kirireel::scene::PathKind::Dynamic;

@@ -17,7 +17,7 @@ void printSpeedTable();
 /// The largest step that keeps the exact motion at 100 tiles, and its cost against Bullet.
 void printLargestStepTable();
 
-/// How far the way by time depends on the step: a sheet, square2disk and cylinder.
+/// The effect of the step on the path in time: a sheet, square2disk and cylinder.
 void printPathTable(const std::vector<NamedScene>& models);
 
 /// Planar sheets of 10,000 tiles.

@@ -1,4 +1,4 @@
-/// Prints how exact, fast and stable the joint solver is, beside Bullet in the same run.
+/// Prints accuracy, speed and stability of the joint solver, and of Bullet in the same run.
 #include <algorithm>
 #include <cstdio>
 
@@ -42,25 +42,25 @@ int main(int argc, char** argv) {
                                        "step",    "path",         "large",
                                        "contact", "stability",    "stability-with-contacts",
                                        "shares"};
-  app.add_option("models", folder, "a folder of model folders, beside data/")
+  app.add_option("models", folder, "a folder of model folders, in addition to data/")
       ->check(CLI::ExistingDirectory);
   app.add_option("--only", only, "tables to print; all by default")->check(CLI::IsMember(names));
   CLI11_PARSE(app, argc, argv);
-  const auto wanted = [&](const char* name) {
+  const auto isRequested = [&](const char* name) {
     return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
   };
   try {
     const std::vector<NamedScene> models = scenesIn(folder);
-    if (wanted("gap")) printGapTable(models);
-    if (wanted("tessellation")) printTessellationTable();
-    if (wanted("speed")) printSpeedTable();
-    if (wanted("step")) printLargestStepTable();
-    if (wanted("path")) printPathTable(models);
-    if (wanted("large")) printLargeSheetTable();
-    if (wanted("contact")) printContactTable(models);
-    if (wanted("stability")) printStabilityTable(stabilityScenes(models), false);
-    if (wanted("stability-with-contacts")) printStabilityTable(stabilityScenes(models), true);
-    if (wanted("shares")) printShareTable();
+    if (isRequested("gap")) printGapTable(models);
+    if (isRequested("tessellation")) printTessellationTable();
+    if (isRequested("speed")) printSpeedTable();
+    if (isRequested("step")) printLargestStepTable();
+    if (isRequested("path")) printPathTable(models);
+    if (isRequested("large")) printLargeSheetTable();
+    if (isRequested("contact")) printContactTable(models);
+    if (isRequested("stability")) printStabilityTable(stabilityScenes(models), false);
+    if (isRequested("stability-with-contacts")) printStabilityTable(stabilityScenes(models), true);
+    if (isRequested("shares")) printShareTable();
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

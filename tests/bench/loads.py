@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Measures what load steps cost in CPU seconds, beside SciPy's minimisers and CalculiX, in one run.
+"""Measures CPU seconds of load steps, SciPy's minimisers and CalculiX, in one run.
 
 Use: tests/bench/loads.py KIRIREEL [INCREMENTS]
 A sheet of 10 x 10 squares on necks is compressed in 100 load steps: by Kirireel as a whole program,
 files and all; by SciPy's minimisers of the same energy (tests/cli/ligament_minimiser.py), each step
 from the one before; and as the deck with the same necks by CalculiX, with two elements an edge and
-as many increments of those 100 as told (2), from which the rest is extrapolated. Then how the cost
+the given number (2) of those 100 increments, from which the rest is extrapolated. Then how the cost
 of a state grows with the number of tiles.
 """
 import csv

@@ -21,7 +21,7 @@ struct Figures {
   double least = 0;  ///< share of the motion between the ramps in a tenth of their time
   double most = 0;
   double gap = 0;        ///< largest in any frame, tiles
-  double sampleGap = 0;  ///< in any sample, likewise
+  double sampleGap = 0;  ///< in any sample, the same unit
 };
 
 Figures figuresOf(const trajectory::TrajectoryReader& run) {
@@ -34,20 +34,20 @@ Figures figuresOf(const trajectory::TrajectoryReader& run) {
         std::max(figures.sampleGap, trajectory::jointGap(pivots, run.sample(i).poses).max / tile);
   }
   record::Replay states(run);
-  std::vector<double> way = {0};
+  std::vector<double> length = {0};
   Poses before;
   for (const record::FrameMoment& moment : record::videoMoments(record::motionOf(run), {})) {
     Poses poses = states.at(moment.time).poses;
     figures.gap = std::max(figures.gap, trajectory::jointGap(pivots, poses).max / tile);
-    if (!before.empty()) way.push_back(way.back() + run::pathDistance(bricks, before, poses));
+    if (!before.empty()) length.push_back(length.back() + run::pathDistance(bricks, before, poses));
     before = std::move(poses);
   }
-  if (way.size() <= 2 * kRampFrames) return figures;
-  const std::size_t first = kRampFrames, steps = way.size() - 1 - 2 * kRampFrames;
+  if (length.size() <= 2 * kRampFrames) return figures;
+  const std::size_t first = kRampFrames, steps = length.size() - 1 - 2 * kRampFrames;
   figures.least = 1;
   for (std::size_t k = 0; k < 10; ++k) {
-    const double share = (way[first + (k + 1) * steps / 10] - way[first + k * steps / 10]) /
-                         (way[first + steps] - way[first]);
+    const double share = (length[first + (k + 1) * steps / 10] - length[first + k * steps / 10]) /
+                         (length[first + steps] - length[first]);
     figures.least = std::min(figures.least, share);
     figures.most = std::max(figures.most, share);
   }

@@ -62,10 +62,10 @@ void printPathRows(const NamedScene& named) {
 
 void printPathTable(const std::vector<NamedScene>& models) {
   fmt::print(
-      "\nThe way by time, {} s, against steps of 1/{} s (largest distance of any vertex, in "
+      "\nThe path in time, {} s, against steps of 1/{} s (largest distance of any vertex, in "
       "tiles)\n",
       kSeconds, kFinestRate);
-  fmt::print("{:<24}{:>8}{:>14}{:>12}{:>16}\n", "model", "step", "on the way", "at the end",
+  fmt::print("{:<24}{:>8}{:>14}{:>12}{:>16}\n", "model", "step", "along it", "at the end",
              "CPU ms / s");
   printPathRows({"sheet 10 x 10", sheetScene(10, true, scene::SolverKind::Direct)});
   for (const NamedScene& model : models) {

@@ -1,5 +1,5 @@
-/// Prints what recording costs, stage by stage, beside the least it could and beside other
-/// programs. Run by hand on a quiet machine, its two cores free: tests/bench/record [FRAMES]
+/// Prints the cost of recording by stage, its lower bound, and the cost of other programs. Run by
+/// hand on a machine with two free cores: tests/bench/record [FRAMES]
 #include "render/record/record.h"
 
 #include <algorithm>
@@ -68,8 +68,8 @@ scene::Scene slowScene(int frames) {
   return scene;
 }
 
-/// A video's time on the wall against that of its slowest stage alone and all its CPU on the cores
-/// that there are (see taskset).
+/// A video's elapsed time, that of only its slowest stage, and its CPU time on the available cores
+/// (see taskset).
 void printVideo(int frames, const fs::path& folder) {
   const record::ProgressObserver proceed = [](const record::Progress&) {
     return record::Interruption{};
@@ -169,8 +169,8 @@ void printPeer(double painted) {
              peer / painted);
 }
 
-/// In a process of its own: the graphics library chooses its threads once a process, here as a
-/// recording does, and none where painting alone is measured.
+/// In its own process, because the graphics library chooses its threads once per process: here as a
+/// recording does, and no threads if only painting is measured.
 void printVideoAside(int frames, const fs::path& folder) {
   const pid_t child = ::fork();
   if (child == 0) {

@@ -5,10 +5,10 @@
 // less of the energy E(q) = sum over joints of |c_j(q)|^p, c_j a joint's gap:
 //   minimise  sum w_j |c_j + J_j u|^2 + mu |u|_W^2,  w_j = |c_j|^(p - 2) over its mean,
 // of which the part along the path is taken away; then they are spread evenly again. A fall that
-// would push bricks into each other is halved until it does not: images stop at contacts and do not
-// slide along them, so that among touching bricks the least is an upper bound. W is the
-// metric of pathDistance(). As p grows from 2 to 32, E becomes a measure of the largest gap. What
-// is left of it on the whole path, the least over all rounds, is the least opening that was found.
+// would make bricks overlap is halved until it does not. Images stop at contacts and do not slide
+// along them, so the minimum is an upper bound for touching bricks. W is the metric of
+// pathDistance(). As p grows from 2 to 32, E becomes a measure of the largest gap. What is left of
+// it on the whole path, the least over all rounds, is the least opening that was found.
 //
 // For the length, images with closed joints go to the middle of their neighbours instead, as far as
 // joints let them to the first order:
@@ -263,11 +263,11 @@ class String {
 
   Poses shortened(const Poses& poses, const Poses& before, const Poses& after, double factor) {
     const Joints joints = jointsAt(poses);
-    const Vector wanted = 0.5 * factor * (moveBetween(poses, before) + moveBetween(poses, after));
-    const Vector opened = joints.jacobian * wanted + joints.gaps;
+    const Vector change = 0.5 * factor * (moveBetween(poses, before) + moveBetween(poses, after));
+    const Vector opened = joints.jacobian * change + joints.gaps;
     const Vector closing = solved(joints.jacobian.transpose() * joints.jacobian, kZero,
                                   joints.jacobian.transpose() * opened);
-    return model::symmetricMean(clearlyMoved(poses, wanted - closing), group_);
+    return model::symmetricMean(clearlyMoved(poses, change - closing), group_);
   }
 
   /// The solution of (matrix + damping) x = right.

@@ -1,8 +1,8 @@
-"""Origami as bars and hinges, written anew on NumPy: a second method that shares no code with
+"""Origami as bars and hinges, written independently in NumPy: a second method that shares no code with
 Kirireel.
 
 Use: bar_and_hinge.py make miura|kresling FOLDER   writes model.fold and scene.toml
-     bar_and_hinge.py judge miura|kresling FOLDER RUN
+     bar_and_hinge.py check miura|kresling FOLDER RUN
 prints by how much the forces and energies of a run miss those of this script at the same
 displacements (parts of the largest), the least stiffness on the way, and the force's largest size.
 
@@ -24,7 +24,7 @@ CASES = {
 
 
 def miura(cells=3, theta=np.pi / 3, a=2, b=2, gamma=np.pi / 4):
-    """Nodes, faces, and which nodes are held and led along which axis."""
+    """Nodes, faces, and which nodes are held and guided along which axis."""
     count = 2 * cells
     h, tan = a * np.sin(theta) * np.sin(gamma), np.cos(gamma) * np.tan(theta)
     s, v = b * tan / np.sqrt(1 + tan**2), b / np.sqrt(1 + tan**2)
@@ -56,7 +56,7 @@ GEOMETRIES = {"miura": miura, "kresling": kresling}
 
 
 def make(case, folder):
-    points, faces, held, led = GEOMETRIES[case]()
+    points, faces, held, guided = GEOMETRIES[case]()
     values = CASES[case]
     with open(f"{folder}/model.fold", "w") as file:
         json.dump({"file_spec": 1.2, "vertices_coords": points.tolist(), "faces_vertices": faces}, file)
@@ -70,10 +70,10 @@ panels = "{values["E"]},{values["nu"]}"
         for n, axis in held:
             tile, vertex = place[n]
             file.write(f"[[grip]]\ntile = {tile}\nvertex = {vertex}\nmove = {{{'xyz'[axis]} = 0}}\n")
-        # All led nodes are one grip, whose force is the sum.
-        file.write(f"[[grip]]\ntiles = {[place[n][0] for n, _ in led]}\n"
-                   f"vertex = {[place[n][1] for n, _ in led]}\n"
-                   f"move = {{{'xyz'[led[0][1]]} = {values['move']}}}\n")
+        # All guided nodes are one grip, whose force is the sum.
+        file.write(f"[[grip]]\ntiles = {[place[n][0] for n, _ in guided]}\n"
+                   f"vertex = {[place[n][1] for n, _ in guided]}\n"
+                   f"move = {{{'xyz'[guided[0][1]]} = {values['move']}}}\n")
 
 
 def triangles_of(points, faces):
@@ -193,12 +193,12 @@ class Sheet:
         raise SystemExit("no equilibrium was found")
 
 
-def judge(case, run):
-    points, faces, held, led = GEOMETRIES[case]()
+def check(case, run):
+    points, faces, held, guided = GEOMETRIES[case]()
     sheet = Sheet(points, faces, **CASES[case])
     rows = list(csv.DictReader(open(f"{run}/load_curve.csv")))
-    grip = f"grip_{len(held) + 1}_{'xyz'[led[0][1]]}"
-    moved = [3 * n + a for n, a in led]
+    grip = f"grip_{len(held) + 1}_{'xyz'[guided[0][1]]}"
+    moved = [3 * n + a for n, a in guided]
     fixed = set(moved) | {3 * n + a for n, a in held}
     free = np.array([k for k in range(points.size) if k not in fixed])
     x, before, forces, energies = points.astype(float), None, [], []
@@ -220,4 +220,4 @@ if __name__ == "__main__":
     if sys.argv[1] == "make":
         make(sys.argv[2], sys.argv[3])
     else:
-        judge(sys.argv[2], sys.argv[4])
+        check(sys.argv[2], sys.argv[4])

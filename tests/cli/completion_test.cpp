@@ -50,7 +50,7 @@ TEST(BashCompletion, OffersFiles) {
 
 /// Whether a shell finds the script in order.
 void expectInOrder(const std::string& shell, const std::string& check, const std::string& text) {
-  if (!hasProgram(shell)) GTEST_SKIP() << "install " << shell << " to judge its completion";
+  if (!hasProgram(shell)) GTEST_SKIP() << "install " << shell << " to check its completion";
   const test::TemporaryFolder folder;
   writeTextFile(folder / "script", text);
   const std::string file = (folder / "script").string();

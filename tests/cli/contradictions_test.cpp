@@ -67,7 +67,7 @@ TEST(Contradictions, NameWhatSaysTheSame) {
   EXPECT_EQ(refusal({"--damping-ratio", "1", "--force-damping", "25"}), "accepted");
 }
 
-TEST(Contradictions, LeaveConsistentOptionsAlone) {
+TEST(Contradictions, AcceptConsistentOptions) {
   EXPECT_EQ(refusal({"--path", "guided", "--guide-time", "2", "--joint-ratio", "1e3"}), "accepted");
   EXPECT_EQ(refusal({"--solver", "bullet", "--iterations", "90"}), "accepted");
   EXPECT_EQ(refusal({"--actuation", "boundary", "--boundary-size", "3"}), "accepted");

@@ -108,7 +108,7 @@ class Generator {
     }
   }
 
-  /// Whatever the remaining factors are.
+  /// For any values of the remaining factors.
   void markAll(Set& set, std::size_t depth, std::vector<int>& row) {
     if (depth == set.factors.size()) {
       set.isMissing[static_cast<std::size_t>(indexIn(set, row))] = false;

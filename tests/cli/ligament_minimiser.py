@@ -6,7 +6,7 @@ prints by how much the states of a run, in which the last column of so many tile
 and the first is held, miss the minimiser's: vertices at the end (metres), then over all states
 energies and forces (parts of the largest).
 
-The energy is derived anew, in complex numbers. A tile is (z, phi), the place of its middle (the
+The energy is derived independently, in complex numbers. A tile is (z, phi), the position of its middle (the
 mean of its corners) and its turn; a point of it is z + r e^(i phi). The neck at a joint runs from
 a point of tile A to a point of tile B, and with l between them, l0 at the start, holds
 
@@ -130,7 +130,7 @@ class Sheet:
 
 
 class Squeeze:
-    """The sheet with the x of some middles led, and one y held."""
+    """The sheet with guided x of some centres, and one fixed y."""
 
     def __init__(self, sheet, held, moved):
         self.sheet, self.moved = sheet, np.array(moved)
@@ -211,8 +211,8 @@ def main():
     print(max(abs(a - b).max() for a, b in zip(vertices(sheet, states[-1]), ends)))
 
     def miss(column, value):
-        wanted = np.array([value(q) for q in states])
-        return abs(wanted - [float(row[column]) for row in rows]).max() / abs(wanted).max()
+        expected = np.array([value(q) for q in states])
+        return abs(expected - [float(row[column]) for row in rows]).max() / abs(expected).max()
 
     print(miss("energy_J", sheet.energy))
     print(miss("grip_3_x_force_N", squeeze.force))

@@ -40,7 +40,7 @@ TEST(ManPages, ThereIsOneForEachCommand) {
 }
 
 TEST(ManPages, TroffHasNothingToSayAgainstThem) {
-  if (!hasProgram("groff")) GTEST_SKIP() << "install groff to judge man pages";
+  if (!hasProgram("groff")) GTEST_SKIP() << "install groff to check man pages";
   const test::TemporaryFolder folder;
   for (const auto& [name, text] : pages()) {
     writeTextFile(folder / name, text);

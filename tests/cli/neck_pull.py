@@ -4,7 +4,7 @@ Use: neck_pull.py DECK THICKNESS E NU HELD MOVED DISPLACEMENT INCREMENTS [RUN]
 DECK is a mesh of plane stress elements with sets of tiles; HELD and MOVED are lists of tiles (0,1,2)
 whose middles keep their x, or are moved along it; the first of HELD keeps its y. Prints the
 displacement and the force in N after each increment, then the CPU seconds that CalculiX took. With
-a RUN whose third grip moves likewise, each line ends with that run's force at the displacement.
+a RUN whose third grip moves in the same way, each line ends with that run's force at the displacement.
 """
 import csv
 import os

@@ -20,8 +20,8 @@ TEST(OptionNames, AreMadeOfTheKeysInMessages) {
                 "raise `search_effort`, or use `path = dynamic` (`align = false` keeps it)"),
             "raise --search-effort, or use --path dynamic (--no-align keeps it)");
   EXPECT_EQ(cli::spellOptions("`hinge_stiffness`: error: none"), "--hinge-stiffness: error: none");
-  EXPECT_EQ(cli::spellOptions("no keys, `kirireel export` and a ` alone"),
-            "no keys, `kirireel export` and a ` alone");
+  EXPECT_EQ(cli::spellOptions("no keys, `kirireel export` and a single `"),
+            "no keys, `kirireel export` and a single `");
 }
 
 TEST(OptionNames, ExistForAllKeysInMessages) {

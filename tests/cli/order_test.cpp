@@ -1,4 +1,4 @@
-// What tells one order from another: every option, however it is spelled and wherever it stands.
+// Fingerprints of orders depend on every option, but not on its spelling or its place.
 #include <algorithm>
 #include <regex>
 #include <set>
@@ -221,8 +221,8 @@ const std::vector<Sample>& samples() {
   return all;
 }
 
-/// Options that say where a run goes, what is printed, where its settings stand, which of two
-/// libraries or how many threads draw the same pictures, or what is so anyway.
+/// Options that do not change a run: its folder, its printed text, the file of its settings, the
+/// library and the number of threads of its pictures.
 const std::set<std::string> kDecideNothing = {"--help",    "--out",     "--resume", "--json",
                                               "--page",    "--scene",   "--gl",     "--strict",
                                               "--verbose", "--painters"};

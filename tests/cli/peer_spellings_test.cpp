@@ -70,7 +70,7 @@ TEST(PeerSpellings, AreNoOtherUnderscores) {
             (Words{"record", "fan", "--walk-time", "3", "--no-outlines", "--colour-map=viridis"}));
 }
 
-TEST(PeerSpellings, LeaveValuesAndOwnSpellingsAlone) {
+TEST(PeerSpellings, KeepValuesAndOwnSpellings) {
   const Words own = {"record", "my_model", "--out=a_b/c", "--gravity", "-9.81", "--thickness", "1"};
   EXPECT_EQ(cli::translatePeerSpellings(own), own);
 }

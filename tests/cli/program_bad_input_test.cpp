@@ -322,7 +322,7 @@ TEST(BadSystem, StandardOutputThatIsFull) {
   expectOneLine(runKirireel({"inspect", model, "--json"}, setting), 1, part);
   expectOneLine(runKirireel({"generate", "tessellation", (scratch / "model").string()}, setting), 1,
                 part);
-  // The run is whole all the same, and its summary is longer than the buffer.
+  // The run is still complete, and its summary is longer than the buffer.
   expectOneLine(runKirireel({"simulate", model, "--out", out, "--json"}, setting), 1, part);
   EXPECT_EQ(runKirireel({"verify", out}).exitCode, 0);
   expectOneLine(runKirireel({"verify", out}, setting), 1, part);

@@ -40,7 +40,7 @@ void expectDecksToRun(const std::filesystem::path& model) {
 class ShippedEndStates : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedEndStates, RunInCalculix) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   expectDecksToRun(shippedModel(GetParam()));
 }
 
@@ -91,7 +91,7 @@ std::vector<Vector3> displacementsUnderPull(const std::string& run, const std::s
 }
 
 TEST(ProgramSupports, HoldEveryMechanismInTheMiddleOfADeployment) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const TemporaryFolder scratch;
   const std::string run = scratch.path().string();
   runKirireel({"simulate", shippedModel("cylinder").string(), "--out", run});
@@ -144,14 +144,14 @@ double missAtTheEnd(const std::string& model) {
 }
 
 TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   EXPECT_LT(missAtTheEnd("tessellation_4x4"), 1e-6);  // measured: 3.5e-7
   // 500 increments: the default path of the cap opens it first and then leads its tiles.
   EXPECT_LT(missAtTheEnd("cap"), 1e-6);  // measured: 7.2e-8
 }
 
 TEST(ProgramCheck, SaysHowMuchElementsMatter) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", out});
@@ -186,7 +186,7 @@ TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
 class PublishedEndStates : public testing::TestWithParam<const char*> {};
 
 TEST_P(PublishedEndStates, RunInCalculix) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models" / GetParam();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";

@@ -19,7 +19,7 @@ std::vector<std::string> recordArguments(const std::filesystem::path& out) {
 TEST(Clock, ThatJumpsChangesNothing) {
   const TemporaryFolder scratch;
   ASSERT_EQ(runKirireel(recordArguments(scratch / "undisturbed")).exitCode, 0);
-  // Each look at the wall's clock finds it a day earlier, or later, than the last look.
+  // Each reading of the wall clock is a day earlier, or later, than the last one.
   for (const std::string jump : {"-86400", "+86400"}) {
     std::vector<std::string> words = {"--exclude-monotonic", "-f", "@2001-01-01 00:00:00 i" + jump,
                                       KIRIREEL_PROGRAM};

@@ -218,7 +218,7 @@ const std::vector<Factor>& factors() {
         {"guided", {"--path", "guided"}}}},
       {"solver", {{"direct"}, {"bullet", {"--solver", "bullet"}}}},
       {"tolerance",
-       {{"usual"}, {"fixed", {"--tolerance", "0"}}, {"fine", {"--tolerance", "1e-5"}}}},
+       {{"default"}, {"fixed", {"--tolerance", "0"}}, {"fine", {"--tolerance", "1e-5"}}}},
       {"resume", {{"no"}, {"interrupted"}}},
       {"spelling", {{"own"}, {"PyKirigami", {"--brick_thickness", "0.02"}}}}};
   return all;

@@ -1,8 +1,8 @@
 // Concave tiles through the whole program: an L and a star that hang together by one corner.
 //
 // The star turns about the tip of the L's arm until one of its tips meets the arm. A tip at a right
-// angle to the joint's lies a side of sqrt(2) from it, so that the joint then stands open by 135
-// degrees, whatever the two do besides.
+// angle to the joint's is a side of sqrt(2) away from it, so the joint is then open by 135 degrees
+// for any motion of the two.
 #include <array>
 #include <cmath>
 #include <numbers>

@@ -156,7 +156,7 @@ TEST_F(Files, TilesAreNamedAsTheFileCountsThem) {
               HasSubstr("tile 2 has vertices 1-4, not 5"));
 }
 
-// Four quads that no closed way leads to their target: joints open by 1.7e-2 m at least.
+// Four quads without a path of closed joints to their target: joints open by at least 1.7e-2 m.
 TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
   model::writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
   const ProgramEnd end = simulate("nonrigid");

@@ -1,5 +1,4 @@
-// Files that are not the program's own stay as they are, whatever they are called and however a run
-// ends.
+// Files that Kirireel did not write stay unchanged, for any name and any end of a run.
 #include <csignal>
 #include <map>
 #include <thread>

@@ -125,8 +125,8 @@ TEST_P(ShippedModels, ArriveOrSayWhatIsShort) {
   const double least = accuracy["assembled_error"];
   const auto inspected =
       nlohmann::json::parse(runKirireel({"inspect", model.string(), "--json"}).out);
-  // A run may come nearer than what was looked for before it. Measured: 2e-15 of the size;
-  // by 1.5e-5 of the error on moebius, which ends out of its target's reach.
+  // A run may come nearer than the earlier search. Measured: 2e-15 of the size; by 1.5e-5 of the
+  // error on moebius, which ends out of its target's reach.
   EXPECT_LE(least, inspected["assembled_error"].get<double>() + 1e-9);
   EXPECT_NEAR(inspected["assembled_error"], least, 1e-9 + 1e-4 * least);
   EXPECT_EQ(summary["at_target"], isAtTarget(summary));

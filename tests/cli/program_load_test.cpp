@@ -38,10 +38,10 @@ std::string squeezed(const std::string& held, const std::string& moved, double m
 }
 
 // 8 x 8 irregular quads on necks under compression, state by state, against SciPy's minimiser of
-// the energy that the script derives anew (ligament_minimiser.py).
+// the independent energy of ligament_minimiser.py.
 TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
   if (test::outputOf(fmt::format("{} -c 'import scipy; print(1)'", kPython)).empty()) {
-    GTEST_SKIP() << "install python3-scipy to judge equilibria by its minimisers";
+    GTEST_SKIP() << "install python3-scipy to check equilibria with its minimisers";
   }
   const TemporaryFolder scratch;
   const std::string model = scratch / "quads", run = scratch / "run",
@@ -52,26 +52,26 @@ TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
                             "thickness = 0.02\n"));
   const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
   ASSERT_EQ(end.exitCode, 0) << end.err;
-  const ProgramEnd judged =
+  const ProgramEnd checked =
       runTool(kPython, {KIRIREEL_SOURCE_DIR "/tests/cli/ligament_minimiser.py", model, run, "0.02",
                         "0.1", "1e6", "0.3", "0.02", "8"});
-  ASSERT_EQ(judged.exitCode, 0) << judged.err;
-  std::istringstream misses(judged.out);
+  ASSERT_EQ(checked.exitCode, 0) << checked.err;
+  std::istringstream misses(checked.out);
   double places = 1, energies = 1, forces = 1;
   misses >> places >> energies >> forces;
-  EXPECT_LT(places, 1e-10) << judged.out;    // metres; measured 8e-15
-  EXPECT_LT(energies, 1e-10) << judged.out;  // measured 6e-15
-  EXPECT_LT(forces, 1e-9) << judged.out;     // measured 1e-11
+  EXPECT_LT(places, 1e-10) << checked.out;    // metres; measured 8e-15
+  EXPECT_LT(energies, 1e-10) << checked.out;  // measured 6e-15
+  EXPECT_LT(forces, 1e-9) << checked.out;     // measured 1e-11
 }
 
-/// What bar_and_hinge.py says of a run.
+/// Results of bar_and_hinge.py for a run.
 struct BarsAndHinges {
-  double forces = 1, energies = 1;  ///< by how much they miss, parts of the largest
+  double forces = 1, energies = 1;  ///< differences, fractions of the largest
   double softest = 0;               ///< the least stiffness, N/m
   double largest = 0;               ///< force, N
 };
 
-BarsAndHinges judgedAsBarsAndHinges(const char* which) {
+BarsAndHinges checkedByBarsAndHinges(const char* which) {
   const TemporaryFolder scratch;
   const std::string script = KIRIREEL_SOURCE_DIR "/tests/cli/bar_and_hinge.py";
   const std::string folder = scratch.path(), run = scratch / "run";
@@ -79,9 +79,9 @@ BarsAndHinges judgedAsBarsAndHinges(const char* which) {
   const ProgramEnd end = runKirireel(
       {"simulate", folder + "/model.fold", "--scene", folder + "/scene.toml", "--out", run});
   EXPECT_EQ(end.exitCode, 0) << end.err;
-  const ProgramEnd judged = runTool(kPython, {script, "judge", which, folder, run});
-  EXPECT_EQ(judged.exitCode, 0) << judged.err;
-  std::istringstream said(judged.out);
+  const ProgramEnd checked = runTool(kPython, {script, "check", which, folder, run});
+  EXPECT_EQ(checked.exitCode, 0) << checked.err;
+  std::istringstream said(checked.out);
   BarsAndHinges found;
   said >> found.forces >> found.energies >> found.softest >> found.largest;
   return found;
@@ -91,11 +91,11 @@ bool hasNumpy() {
   return !test::outputOf(fmt::format("{} -c 'import numpy; print(1)'", kPython)).empty();
 }
 
-// A Miura sheet of 3 x 3 cells under tension, its tiles bending, against bars and hinges written
-// anew (bar_and_hinge.py).
+// A Miura sheet of 3 x 3 cells under tension, with bending tiles, against the bars and hinges of
+// bar_and_hinge.py.
 TEST(ProgramLoad, PullsAMiuraSheetAsBarsAndHingesDo) {
-  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to judge origami by bars and hinges";
-  const BarsAndHinges found = judgedAsBarsAndHinges("miura");
+  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to check origami with bars and hinges";
+  const BarsAndHinges found = checkedByBarsAndHinges("miura");
   EXPECT_LT(found.forces, 1e-8);     // measured 8e-11
   EXPECT_LT(found.energies, 1e-10);  // measured 2e-15
   EXPECT_GT(found.softest, 0);
@@ -103,8 +103,8 @@ TEST(ProgramLoad, PullsAMiuraSheetAsBarsAndHingesDo) {
 
 // A storey of a Kresling tower that is pressed until it snaps through.
 TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
-  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to judge origami by bars and hinges";
-  const BarsAndHinges found = judgedAsBarsAndHinges("kresling");
+  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to check origami with bars and hinges";
+  const BarsAndHinges found = checkedByBarsAndHinges("kresling");
   EXPECT_LT(found.forces, 1e-10);    // measured 1e-13
   EXPECT_LT(found.energies, 1e-10);  // measured 1e-15
   EXPECT_LT(found.softest, 0);
@@ -196,7 +196,7 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
 // force over opening is that of decks.
 TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
   for (const char* program : {"ccx", "gmsh"}) {
-    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }
   // Measured: 0.044, 0.046, 0.010.
   for (const double width : {0.05, 0.1, 0.2}) {
@@ -208,7 +208,7 @@ TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
 // Tiles with corners of 60 degrees.
 TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
   for (const char* program : {"ccx", "gmsh"}) {
-    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }
   const PulledSheet triangles{
       {"triangles", "--columns", "3", "--rows", "3"}, listed(0, 3), listed(15, 3), 0.15};
@@ -218,10 +218,10 @@ TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
   }
 }
 
-// Tiles with corners of 120 degrees beside others of 60.
+// Tiles with corners of 120 degrees next to others of 60.
 TEST(ProgramNecks, OpenHexagonsAsDecksInCalculixDo) {
   for (const char* program : {"ccx", "gmsh"}) {
-    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }
   const PulledSheet hexagons{
       {"hexagons", "--columns", "3", "--rows", "3"}, "0,3,6", "14,15,16", 0.15};

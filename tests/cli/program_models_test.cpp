@@ -1,4 +1,4 @@
-// Models that other people made, where they stand beside the repository; skipped where they do not.
+// Models of other people, if they are next to the repository. Skipped otherwise.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -40,7 +40,7 @@ TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
   EXPECT_LT(accuracy["target_error_end"], model.peerError);
   EXPECT_LT(accuracy["joint_gap_end"], 1e-9);  // 5.6e-11 on the cylinder, 1e-12 on the others
   EXPECT_LE(accuracy["joint_gap_max"], std::max(1e-9, accuracy["joint_opening_max"].get<double>()));
-  // 2.3e-2 tile on the saddle, which no exact joints lead to; 0 on the others.
+  // 2.3e-2 tile on the saddle, which exact joints cannot reach; 0 on the others.
   EXPECT_LT(accuracy["joint_opening_max"], 3e-2 * model.tileSize);
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An option of `simulate`, two values of it, and the table of a scene file that it stands in.
+/// An option of `simulate`, two values of it, and its table of a scene file.
 struct Choice {
   std::string option;
   std::string one;
@@ -42,8 +42,8 @@ const std::vector<Choice> kChoices = {
     {"--duration", "0.02", "0.01", "stop"},
 };
 
-/// What a run is asked for, and how it is said.
-struct Wanted {
+/// The request of a run.
+struct Request {
   fs::path model;
   std::map<std::string, std::string> options;  ///< without their hyphens and with their values
   std::string scene;                           ///< text of the scene file
@@ -65,7 +65,7 @@ class Orders : public testing::Test {
   static int run(const std::vector<std::string>& words) { return runKirireel(words).exitCode; }
 
   /// Files that a run of the model reads, but for the scene file.
-  std::vector<std::string> inputsOf(const Wanted& requested) const {
+  std::vector<std::string> inputsOf(const Request& requested) const {
     std::vector<std::string> files = {at("rock.obj"), at("half.txt")};
     const std::string name = requested.model.filename().string();
     if (name == "m") {
@@ -79,7 +79,7 @@ class Orders : public testing::Test {
     return files;
   }
 
-  std::vector<std::string> wordsOf(const Wanted& requested) const {
+  std::vector<std::string> wordsOf(const Request& requested) const {
     writeText(at("scene.toml"), requested.scene);
     std::vector<std::string> words = {
         "simulate", requested.model.string(), "--scene", at("scene.toml"), "--out", at("out")};
@@ -95,8 +95,8 @@ class Orders : public testing::Test {
     return runKirireel(words).out.find("finished already") != std::string::npos;
   }
 
-  Wanted randomWanted() {
-    Wanted requested;
+  Request randomRequest() {
+    Request requested;
     requested.model = at(std::vector<std::string>{"m", "s.fold", "s_contracted.obj"}[draw(3)]);
     requested.options = {{"--duration", "0.02"}, {"--path", "straight"}};
     for (const Choice& choice : kChoices) {
@@ -127,7 +127,7 @@ std::string withOtherDigit(std::string text, std::size_t which) {
 
 TEST_F(Orders, AreKnownByEachByteOfEachFile) {
   for (const char* model : {"m", "s.fold", "s_contracted.obj"}) {
-    Wanted requested = randomWanted();
+    Request requested = randomRequest();
     requested.model = at(model);
     fs::remove_all(at("out"));
     run(wordsOf(requested));
@@ -156,7 +156,7 @@ TEST_F(Orders, AreMadeAgainFromTheirSummaries) {
   const auto summaryOf = [this](const std::string& out) {
     return nlohmann::json::parse(readText(at(out + "/summary.json")));
   };
-  Wanted requested = randomWanted();
+  Request requested = randomRequest();
   requested.options["--pin"] = "3,0";
   requested.options["--export"] = "obj,msh";
   run(wordsOf(requested));
@@ -169,18 +169,18 @@ TEST_F(Orders, AreMadeAgainFromTheirSummaries) {
   EXPECT_THAT(summary["inputs"].dump(), testing::HasSubstr("rock.obj"));
 }
 
-/// Says the same in another way.
+/// Another spelling of the same request.
 class Respelling {
  public:
-  Respelling(const Wanted& requested, const fs::path& folder,
+  Respelling(const Request& requested, const fs::path& folder,
              std::function<std::size_t(std::size_t)> draw)
-      : wanted_(requested), folder_(folder), draw_(std::move(draw)) {}
+      : request_(requested), folder_(folder), draw_(std::move(draw)) {}
 
   std::vector<std::string> words(
-      const std::function<std::vector<std::string>(const Wanted&)>& say) {
+      const std::function<std::vector<std::string>(const Request&)>& say) {
     switch (draw_(6)) {
       case 0:
-        return joined(say(wanted_));
+        return joined(say(request_));
       case 1:
         return say(withMoreDigits());
       case 2:
@@ -190,7 +190,7 @@ class Respelling {
       case 4:
         return say(elsewhere());
       default:
-        return withDefaults(say(wanted_));
+        return withDefaults(say(request_));
     }
   }
 
@@ -204,8 +204,8 @@ class Respelling {
     return result;
   }
 
-  Wanted withMoreDigits() const {
-    Wanted requested = wanted_;
+  Request withMoreDigits() const {
+    Request requested = request_;
     for (auto& [option, value] : requested.options) {
       if (value.find('.') != std::string::npos) value += "0";
     }
@@ -214,16 +214,16 @@ class Respelling {
 
   std::vector<std::string> backwards() const {
     std::vector<std::string> words = {"simulate"};
-    for (auto option = wanted_.options.rbegin(); option != wanted_.options.rend(); ++option) {
+    for (auto option = request_.options.rbegin(); option != request_.options.rend(); ++option) {
       words.insert(words.end(), {option->first, option->second});
     }
     words.insert(words.end(), {"--out", (folder_ / "out").string(), "--scene",
-                               (folder_ / "scene.toml").string(), wanted_.model.string()});
+                               (folder_ / "scene.toml").string(), request_.model.string()});
     return words;
   }
 
-  Wanted inTheSceneFile() const {
-    Wanted requested = wanted_;
+  Request inTheSceneFile() const {
+    Request requested = request_;
     std::map<std::string, std::string> tables;
     for (const Choice& choice : kChoices) {
       const auto given = requested.options.find(choice.option);
@@ -239,9 +239,9 @@ class Respelling {
     return requested;
   }
 
-  /// A copy of the model, and another way to say its name.
-  Wanted elsewhere() const {
-    Wanted requested = wanted_;
+  /// A copy of the model, and another spelling of its path.
+  Request elsewhere() const {
+    Request requested = request_;
     const fs::path copy = folder_ / "copy" / ".." / "copy" / requested.model.filename();
     fs::remove_all(folder_ / "copy");
     fs::create_directory(folder_ / "copy");
@@ -258,7 +258,7 @@ class Respelling {
     return words;
   }
 
-  const Wanted& wanted_;
+  const Request& request_;
   fs::path folder_;
   std::function<std::size_t(std::size_t)> draw_;
 };
@@ -267,10 +267,10 @@ class Respelling {
 TEST_F(Orders, AreKnownAsFinishedWhenTheyAreTheSame) {
   const char* asked = std::getenv("KIRIREEL_ORDER_PAIRS");
   const int pairs = asked ? std::atoi(asked) : 24;
-  const auto say = [this](const Wanted& requested) { return wordsOf(requested); };
+  const auto say = [this](const Request& requested) { return wordsOf(requested); };
   int same = 0;
   for (int k = 0; k < pairs; ++k) {
-    Wanted requested = randomWanted();
+    Request requested = randomRequest();
     fs::remove_all(at("out"));
     run(wordsOf(requested));
     ASSERT_TRUE(fs::exists(at("out/summary.json"))) << k;

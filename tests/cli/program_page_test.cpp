@@ -73,7 +73,7 @@ TEST_F(PageCommand, TablesAndPlotsCurves) {
   EXPECT_EQ(runKirireel({"verify", run().string()}).exitCode, 0);
 }
 
-TEST_F(PageCommand, LeavesFilesOfOthersAlone) {
+TEST_F(PageCommand, KeepsForeignFiles) {
   writeText(run() / "page.html", "mine");
   EXPECT_EQ(runKirireel({"page", run().string()}).exitCode, kInputWrong);
   EXPECT_EQ(readText(run() / "page.html"), "mine");

@@ -61,13 +61,13 @@ TEST_P(Readers, FindNothingToMend) {
     EXPECT_THAT(meshes, Not(HasSubstr("Warning"))) << meshes;
     const std::string facets = saidOfAll(out, ".stl", "admesh $file");
     EXPECT_THAT(facets, HasSubstr("Normals fixed         :     0"));
-    for (const char* mended : {"Edges fixed", "Facets removed", "Facets added", "Facets reversed",
+    for (const char* repair : {"Edges fixed", "Facets removed", "Facets added", "Facets reversed",
                                "Backwards edges", "Normals fixed"}) {
-      EXPECT_THAT(facets, Not(testing::ContainsRegex(std::string(mended) + " *: *[1-9]")));
+      EXPECT_THAT(facets, Not(testing::ContainsRegex(std::string(repair) + " *: *[1-9]")));
     }
     if (hasMeshio) expectMeshioToOpen(out);
   }
-  if (!hasMeshio) GTEST_SKIP() << "install python3-meshio to judge decks by it";
+  if (!hasMeshio) GTEST_SKIP() << "install python3-meshio to check decks with it";
 }
 
 INSTANTIATE_TEST_SUITE_P(Program, Readers,

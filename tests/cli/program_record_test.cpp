@@ -1,4 +1,4 @@
-// The whole job through the real program, judged by other programs.
+// A whole recording with the real program, checked by other programs.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
-/// One recording that the tests below look at.
+/// One recording for the tests below.
 class Recording : public testing::Test {
  protected:
   static void SetUpTestSuite() {

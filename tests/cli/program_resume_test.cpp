@@ -63,7 +63,7 @@ TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
   }
 }
 
-/// A run of several seconds, so that a checkpoint, due after two, meets it while it goes on.
+/// A run of several seconds. Its first checkpoint is due after two.
 class ResumeOnTheWay : public testing::Test {
  protected:
   void SetUp() override {
@@ -98,18 +98,18 @@ class ResumeOnTheWay : public testing::Test {
   fs::path out_ = scratch_ / "out";
 };
 
-TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
+TEST_F(ResumeOnTheWay, ContinuesFromTheLastCheckpoint) {
   ASSERT_EQ(runKirireel(recordLongInto(scratch_ / "whole")).exitCode, kEndedShort);
   EXPECT_FALSE(fs::exists(scratch_ / "whole/.unfinished"));
   EXPECT_EQ(endBy(SIGTERM, recordLongInto(out_)), "");
   EXPECT_TRUE(fs::exists(out_ / ".unfinished/checkpoint/state.h5"));
-  // A kill takes nothing away.
-  const auto goesOn =
+  // A kill keeps the checkpoint.
+  const auto continues =
       testing::MatchesRegex("kirireel: continues at .* s from the checkpoint in .*\n");
   endBy(SIGKILL, recordLongInto(out_, {"--resume"}));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--resume"}));
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
-  EXPECT_THAT(end.err, goesOn);
+  EXPECT_THAT(end.err, continues);
   expectSameRun(out_, scratch_ / "whole");
 }
 

@@ -85,7 +85,7 @@ TEST_F(Scenes, AHandOpensTheFan) {
   EXPECT_EQ(done.summary["outcome"], "settled");
   // The open fan is singular: it comes to rest ever more slowly. Measured 3.8e-5.
   EXPECT_LT(done.summary["accuracy"]["target_error_end"], 1e-4);
-  // The hand alone moves the corner tile while the pinned one stays.
+  // Only the drag moves the corner tile. The pinned one stays.
   const trajectory::Sample& dragged = done.run.samples[120];  // as it lets go
   const trajectory::Sample& start = done.run.samples.front();
   const Vector3 hand(2.5, 5, 0.01);

@@ -41,7 +41,7 @@ void expectInterruptedVideo(int signal, const std::string& sign,
 const std::vector<std::string> kLongPainting = {"--fps", "240", "--force-damping", "1e6"};
 // Too many steps to wait for.
 const std::vector<std::string> kLongDeployment = {"--solver", "bullet", "--substeps", "10000"};
-// Too many steps to wait for in the first trial of a path alone.
+// The first trial of a path already has too many steps to wait for.
 const std::vector<std::string> kLongTrial = {"--timestep", "1e-7"};
 
 TEST(Interrupt, WhilePaintingLeavesAPlayableVideo) {

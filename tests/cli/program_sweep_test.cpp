@@ -17,7 +17,7 @@ using ::testing::SizeIs;
 
 class SweepProgram : public testing::Test {
  protected:
-  /// Runs a sweep of this text into out/ beside it.
+  /// Runs a sweep of this text into out/ in the same folder.
   ProgramEnd sweep(const std::string& text, std::vector<std::string> options = {}) {
     writeText(folder_ / "sweep.toml", text);
     std::vector<std::string> arguments = {"sweep", (folder_ / "sweep.toml").string(), "--out",

@@ -33,7 +33,7 @@ class Targets : public testing::Test {
   nlohmann::json summary_;
 };
 
-TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
+TEST_F(Targets, ATargetWithOpenJointsIsReportedAsNotReached) {
   model::Model model = model::makeTessellation({});
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
@@ -88,7 +88,7 @@ TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
   EXPECT_GT(summary_["accuracy"]["time_error"].get<double>(), 0);
 }
 
-TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
+TEST_F(Targets, AMovedStartIsReported) {
   model::Model model = model::makeTessellation({});
   for (model::Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 1;
@@ -103,7 +103,7 @@ TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
 }
 
 TEST_F(Targets, PinnedTilesAreWhatAStartIsMovedBy) {
-  // By all tiles together the pinned one would stand 45 degrees off its target, for good.
+  // An alignment by all tiles would keep the pinned one 45 degrees from its target.
   const ProgramEnd end = simulate(model::makeTessellation({}), {"--pin", "0"});
   EXPECT_EQ(end.exitCode, 0) << end.out;
   EXPECT_EQ(summary_["outcome"], "settled");

@@ -70,7 +70,7 @@ TEST_F(Verify, SaysWhatIsWrong) {
   writeText(folder() / "final.obj", whole);
 }
 
-/// Puts another text in the place of one in the summary, and seals it anew.
+/// Replaces a text in the summary, and seals it again.
 void falsify(const std::filesystem::path& file, const std::string& from, const std::string& to) {
   std::string text = readText(file);
   text.replace(text.find(from), from.size(), to);
@@ -87,7 +87,7 @@ bool isOutsideTheRun(const std::string& pointer) {
   return false;
 }
 
-// Every single figure: changed alone, the seal made anew, it is found.
+// Finds every figure that is changed, one at a time, in a summary that is sealed again.
 TEST_F(Verify, FindsEachFigureThatIsFalsified) {
   const std::filesystem::path file = folder() / "summary.json";
   const std::string whole = readText(file);

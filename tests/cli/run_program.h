@@ -36,7 +36,7 @@ struct ProgramSetting {
   std::string executable = KIRIREEL_PROGRAM;  ///< or another program, found on the path
 };
 
-/// A program that runs beside the test.
+/// A program that runs at the same time as the test.
 class RunningProgram {
  public:
   RunningProgram(const std::vector<std::string>& arguments, const ProgramSetting& setting);

@@ -76,7 +76,7 @@ TEST_F(SceneSettingsTest, AnotherFileTakesThePlaceOfTheModelsOwn) {
   EXPECT_EQ(order.scene.solver.seed, 1u);
 }
 
-TEST_F(SceneSettingsTest, FalseLeavesASwitchAlone) {
+TEST_F(SceneSettingsTest, FalseDoesNotSetASwitch) {
   EXPECT_FALSE(parse("[environment]\nground = false\n").scene.environment.ground.has_value());
 }
 

@@ -107,10 +107,10 @@ def drawn(sheet, necks, kerf):
             return None
         piece, place = neck
         # Of slots the neck is the material between their borders.
-        beside = any(place in p and not lines.isBorder(p) and p != piece and (p, place) not in short
+        hasNeighbour = any(place in p and not lines.isBorder(p) and p != piece and (p, place) not in short
                      for p in lines.pieces)
         isAtBorder = any(place in p and lines.isBorder(p) for p in lines.pieces)
-        gap = width + kerf / 2 + (kerf / 2 if beside and not isAtBorder else 0)
+        gap = width + kerf / 2 + (kerf / 2 if hasNeighbour and not isAtBorder else 0)
         short[piece, place] = gap
     segments = []
     for piece in lines.pieces:
@@ -129,7 +129,7 @@ def drawn(sheet, necks, kerf):
 
 
 def joined(segments):
-    """Pieces that go on straight from one to the next, as one line."""
+    """Pieces that continue straight, joined to one line."""
     ends = {}
     for k, segment in enumerate(segments):
         for side in (0, 1):
@@ -283,9 +283,9 @@ def difference(sheet, free, text, ending, place, kerf, digits, folder):
             if not line.startswith("#")]
     if (len(tiles), len(rows)) != (len(sheet.tiles), len(sheet.joints)):
         return f"{len(tiles)} tiles and {len(rows)} joints", 0
-    wanted = place(sheet.places())
+    expected = place(sheet.places())
     found = np.array([tiles[row[0]][row[1]] for row in rows])
-    distances = np.linalg.norm(found[:, None] - wanted[None], axis=2)
+    distances = np.linalg.norm(found[:, None] - expected[None], axis=2)
     moved = max(distances.min(axis=0).max(), distances.min(axis=1).max())
     allowed = kerf if kerf > 0 else 1e-6 * sheet.size + (2 * 10.0 ** -digits if digits else 0)
     if moved > allowed:

@@ -1,4 +1,4 @@
-// A model folder: vertices.txt, constraints.txt, and what may stand beside them.
+// A model folder: vertices.txt, constraints.txt, and the optional files next to them.
 #include <array>
 
 #include "sim/model/read_model.h"

@@ -97,7 +97,7 @@ const fs::path& folder() {
 
 void place(const std::string& name, std::string_view text) {
   // Mutated inputs have most of their parts in common, and a file that keeps its pages is cheaper
-  // than one that is made anew: this is most of what an execution costs.
+  // than a new one. This is most of the cost of an execution.
   static std::map<std::string, std::string> placed;
   const auto [known, isNew] = placed.try_emplace(name, text);
   if (!isNew && known->second == text && ::access((folder() / name).c_str(), F_OK) == 0) return;

@@ -21,15 +21,14 @@ inline std::string_view inputText(const std::uint8_t* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size};
 }
 
-/// A folder of this process alone, in memory where the system has such a place. Goes away with the
-/// process.
+/// A folder of only this process, in memory if the system supports it. Removed with the process.
 const std::filesystem::path& folder();
 
 /// Writes a file into folder().
 void place(const std::string& name, std::string_view text);
 
-/// Writes an input that stands for several files, which lines "%%" keep apart, into folder(). Files
-/// that it has no part for are removed.
+/// Writes an input with several files, separated by lines "%%", into folder(). Removes files
+/// without a part in the input.
 void placeParts(std::span<const char* const> names, std::string_view input);
 
 /// Calls a reader. It may throw Kirireel's errors, each one short line; anything else ends the

@@ -1,4 +1,4 @@
-// A contracted OBJ file and the deployed one beside it.
+// A contracted OBJ file and the deployed one next to it.
 #include <array>
 
 #include "sim/model/read_model.h"

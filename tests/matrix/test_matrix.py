@@ -365,7 +365,7 @@ def dxfLength(file):
 
 
 def picture(place, t, out):
-    """Bits of a picture. The screen uses z, so that others than renamed models are only painted."""
+    """Bits of a picture. The screen uses z, so only pictures of renamed models are compared."""
     run("render", ofRun(place, t, out), "--no-video", "--size", "160x120", "--out", out + "r")
     names = sorted(n for n in os.listdir(out + "r") if n.endswith(".png"))
     data = b"".join(open(os.path.join(out + "r", n), "rb").read() for n in names)
@@ -427,24 +427,24 @@ KNOWN = {
 PLAIN = [None]
 
 
-def difference(found, wanted, t, model):
+def difference(found, expected, t, model):
     """The largest difference in tiles, 0 only if all bits agree."""
     tile = model.tileSize() * t.scale
-    if "points" in wanted:
+    if "points" in expected:
         restored = t.restore(found["points"])
-        moved = [t.points(p, model) if t.moves() else p for p in wanted["points"]]
+        moved = [t.points(p, model) if t.moves() else p for p in expected["points"]]
         if [len(p) for p in restored] != [len(p) for p in moved]:
             raise Failure("other tiles")
-        found, wanted = dict(found, points=np.concatenate(restored)), dict(wanted, points=np.concatenate(moved))
+        found, expected = dict(found, points=np.concatenate(restored)), dict(expected, points=np.concatenate(moved))
     powers = {"points": (1, tile), "lengths": (t.scale, tile), "areas": (t.scale**2, tile**2), "numbers": (1, 1),
               "forces": (1, 1)}
     largest = 0.0
     for kind, (factor, size) in powers.items():
-        if kind not in wanted:
+        if kind not in expected:
             continue
-        pairs = [(x, y) for x, y in zip(found[kind], wanted[kind]) if kind == "points" or None not in (x, y)]
-        if len(found[kind]) != len(wanted[kind]):
-            raise Failure(f"{len(found[kind])} {kind} instead of {len(wanted[kind])}")
+        pairs = [(x, y) for x, y in zip(found[kind], expected[kind]) if kind == "points" or None not in (x, y)]
+        if len(found[kind]) != len(expected[kind]):
+            raise Failure(f"{len(found[kind])} {kind} instead of {len(expected[kind])}")
         a, b = np.array([x for x, _ in pairs], float), factor * np.array([y for _, y in pairs], float)
         if a.shape != b.shape or not np.array_equal(np.isnan(a), np.isnan(b)):
             raise Failure(f"{kind} {a.tolist()} instead of {b.tolist()}")
@@ -470,14 +470,14 @@ def check(name, model, transformations, commands):
     RUNS.clear()
     with tempfile.TemporaryDirectory() as scratch:
         count = 0
-        wanted = {}
+        expected = {}
         plain = Transformation("plain", bound=BITS)
         os.makedirs(os.path.join(scratch, "plain"))
         place = put(model, plain, os.path.join(scratch, "plain"))
         for command, _ in commands:
             count += 1
             try:
-                wanted[command.__name__] = command(place, plain, os.path.join(scratch, str(count)))
+                expected[command.__name__] = command(place, plain, os.path.join(scratch, str(count)))
             except Failure as failure:
                 print(f"{name}: {command.__name__} is left out: {failure}")
         for t in transformations:
@@ -491,13 +491,13 @@ def check(name, model, transformations, commands):
                 print(f"{name}, {t.name}: left out: {failure}")
                 continue
             for command, bound in commands:
-                if command.__name__ not in wanted:
+                if command.__name__ not in expected:
                     continue
                 count += 1
                 allowed = bound if t.bound is None or bound == DECK else t.bound
                 try:
                     d = difference(command(place, t, os.path.join(scratch, str(count))),
-                                   wanted[command.__name__], t, model)
+                                   expected[command.__name__], t, model)
                     cell, good = ("bits" if d == 0 else f"{d:.1g}"), d <= allowed
                 except Failure as failure:
                     cell, good = str(failure), False
@@ -509,12 +509,12 @@ def check(name, model, transformations, commands):
                     failed += 1
                     cells.append(f"{command.__name__} {cell} " + ("HOLDS BUT IS KNOWN TO FAIL" if known else "FAILS"))
             print(f"{name}, {t.name}: " + ", ".join(cells), flush=True)
-    print(f"{name}: {held} of {len(wanted) * len(transformations)} cells hold")
+    print(f"{name}: {held} of {len(expected) * len(transformations)} cells hold")
     return failed
 
 
 def twoPieces(sheet):
-    """The sheet, and it again beside it, turned in its plane; the second has its target, too."""
+    """The sheet, and a copy next to it, rotated in its plane. The copy has the copied target."""
     turn = rotationAbout([0, 0, 1], 2.2)
     def both(tiles):
         return tiles + [tile @ turn.T + np.array([1.7 * sheet.size(), 0.4, 0]) for tile in tiles]

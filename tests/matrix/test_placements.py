@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Random models of all families, each put down in random ways: same outcome, path and figures.
+"""Random models of all families, each at random placements: same outcome, path and figures.
 
     test_placements.py quick|long
 
-Each way is a rotation in space, at times with a mirror, a move by up to a thousand sizes, a scale, a
+Each placement is a rotation in space, at times with a mirror, a move by up to a thousand sizes, a scale, a
 unit, and new numbers of tiles and joints. Without gravity nothing of this counts. The program is
 $KIRIREEL_PROGRAM. Returns 77 (skipped) without NumPy.
 """
@@ -51,7 +51,7 @@ def make(family, rng, folder):
 
 
 def place(rng):
-    """A random way to put a model down."""
+    """A random placement of a model."""
     axis = rng.normal(size=3)
     turn = rotationAbout(axis, rng.uniform(0, 2 * np.pi))
     if rng.random() < 0.5:
@@ -73,7 +73,7 @@ def outcome(folder, t, out):
 
 
 def main():
-    models, ways = (4, 2) if sys.argv[1] == "quick" else (50, 10)
+    models, placements = (4, 2) if sys.argv[1] == "quick" else (50, 10)
     names = families()
     failed = tried = 0
     with tempfile.TemporaryDirectory() as scratch:
@@ -92,26 +92,26 @@ def main():
             plain = Transformation("plain")
             plain.metres = 1.0
             try:
-                words, wanted = outcome(test_matrix.put(model, plain, folder), plain, os.path.join(folder, "out"))
+                words, expected = outcome(test_matrix.put(model, plain, folder), plain, os.path.join(folder, "out"))
             except Failure as failure:
                 print(f"{family}: left out: {failure}")
                 continue
-            for way in range(ways):
+            for placement in range(placements):
                 t = place(rng)
-                t.folder = f"way{way}"
+                t.folder = f"placement{placement}"
                 tried += 1
                 try:
-                    found, points = outcome(test_matrix.put(model, t, folder), t, os.path.join(folder, f"out{way}"))
-                    off = difference(points, wanted, t, model)
+                    found, points = outcome(test_matrix.put(model, t, folder), t, os.path.join(folder, f"out{placement}"))
+                    off = difference(points, expected, t, model)
                     good = found == words and off <= BOUND
                     cell = f"{off:.1g}" + ("" if found == words else f", {found} instead of {words}")
                 except Failure as failure:
                     good, cell = False, str(failure)
                 if not good:
                     failed += 1
-                    print(f"{family} {k - 1}, way {way}: {cell} FAILS", flush=True)
+                    print(f"{family} {k - 1}, placement {placement}: {cell} FAILS", flush=True)
             print(f"{family} {k - 1}: {len(model.tiles)} tiles, {words}", flush=True)
-    print(f"{tried - failed} of {tried} ways hold")
+    print(f"{tried - failed} of {tried} placements hold")
     return 1 if failed else 0
 
 

@@ -3,7 +3,7 @@
 
     test_sizes.py quick|long
 
-The same sheet is given in mm, in inches and in metres; the long test also stands it upright.
+The same sheet is given in mm, in inches and in metres; the long test also places it upright.
 Readers: meshio (STL, VTU, decks), Gmsh (MSH, STL), VTK (OBJ, PLY, GLB), librsvg (SVG), and
 what a DXF, FOLD and text file says of itself. Returns 77 (skipped) without these packages.
 """

@@ -19,7 +19,7 @@ OUTLINE = (38, 50, 66)
 
 
 def missing_tool():
-    """What is missing to look at pages; empty where nothing is."""
+    """The missing program for opening pages; empty if none is missing."""
     for program in ("chromium", "chromedriver"):
         if shutil.which(program) is None:
             return program

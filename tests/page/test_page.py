@@ -24,7 +24,7 @@ def run_program(*words):
     assert end.returncode in (0, 3), end.stderr
 
 
-@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+@unittest.skipIf(browser.missing_tool(), "install %s to open pages" % browser.missing_tool())
 class Pages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -224,7 +224,7 @@ class Pages(unittest.TestCase):
             self.assertEqual(window.messages(), [])
 
 
-@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+@unittest.skipIf(browser.missing_tool(), "install %s to open pages" % browser.missing_tool())
 class LargePages(unittest.TestCase):
     """10,000 tiles in 200 states, drawn by software at 800 x 600."""
 
@@ -256,7 +256,7 @@ class LargePages(unittest.TestCase):
                 print("10,000 tiles: %.2f MB, first picture after %.2f s of CPU, a frame in %.0f ms "
                       "(median %.0f ms)" % (page.stat().st_size / 1e6, first, times[0], times[20]))
                 self.assertLess(first, 3)
-                # The least: other programs may run beside this.
+                # The minimum, because other programs may run at the same time.
                 self.assertLess(times[0], 50)
 
 

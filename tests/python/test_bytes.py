@@ -58,7 +58,7 @@ class Bytes(unittest.TestCase):
 
     def test_do_not_depend_on_other_threads(self):
         model = kirireel.read(model_folder("cap"))
-        alone = kirireel.deploy(model, path="dynamic", duration=2)
+        single = kirireel.deploy(model, path="dynamic", duration=2)
         runs = [None, None]
 
         def work(k):
@@ -71,7 +71,7 @@ class Bytes(unittest.TestCase):
             thread.join()
         for run in runs:
             for name in ("time", "position", "rotation", "penetration", "target_error"):
-                self.assertEqual(getattr(run, name).tobytes(), getattr(alone, name).tobytes(), name)
+                self.assertEqual(getattr(run, name).tobytes(), getattr(single, name).tobytes(), name)
 
 
 if __name__ == "__main__":

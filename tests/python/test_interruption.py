@@ -1,4 +1,4 @@
-"""Ctrl-C ends what runs, soon, and Python goes on as it was; other threads are not held up."""
+"""Ctrl-C ends a run soon, and Python continues. Other threads are not blocked."""
 
 import os
 import pathlib
@@ -75,7 +75,7 @@ class Interruption(unittest.TestCase):
                        lambda: kirireel.deploy(model, contacts="all"))
 
     def test_ends_dynamics(self):
-        # Gravity along the sheet keeps it moving; no path is looked for.
+        # Gravity along the sheet keeps it moving; no path is searched.
         options = {"actuation": "none", "gravity": (1, 0, 0), "duration": 1000, "planar": "off"}
         for count, model in self.sheets():
             for contacts in ("none", "all"):

@@ -1,4 +1,4 @@
-"""Errors are the program's, warnings are told, and every option has a docstring and a type."""
+"""Errors are those of the program, warnings are issued, and every option has a docstring and a type."""
 
 import ast
 import inspect
@@ -47,10 +47,10 @@ class Messages(unittest.TestCase):
             kirireel.deploy(self.model, on_sample=fail)
 
     def test_warnings_are_pythons(self):
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as issued:
             warnings.simplefilter("always")
             kirireel.deploy(self.model, thickness=5)
-        self.assertIn("bricks are 5 m thick", str(told[0].message))
+        self.assertIn("bricks are 5 m thick", str(issued[0].message))
 
 
 class Options(unittest.TestCase):

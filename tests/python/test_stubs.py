@@ -13,7 +13,7 @@ import kirireel
 class Stubs(unittest.TestCase):
     def check(self, line):
         if subprocess.run([sys.executable, "-c", "import mypy"], capture_output=True).returncode:
-            self.skipTest("install mypy to judge the stubs by it")
+            self.skipTest("install mypy to check the stubs with it")
         with tempfile.TemporaryDirectory() as folder:
             script = f"import kirireel\nmodel = kirireel.read('x')\n{line}\n"
             environment = {**os.environ, "MYPYPATH": str(pathlib.Path(kirireel.__file__).parents[1])}

@@ -284,7 +284,7 @@ TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
   EXPECT_THAT(starters, testing::ElementsAre("render/fea/outside_program.cpp"));
 }
 
-// A run is known again by the files that it read, so that none may be read unnoticed.
+// The files that a run reads identify it, so all of them must be recorded.
 TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
   EXPECT_THAT(usersOf("fstream"), testing::ElementsAre("sim/base/files.cpp", "sim/base/files.h"));
   const std::regex construction("\\b(if|f)stream(\\s+\\w+)?\\s*[({]");
@@ -422,8 +422,8 @@ TEST(Boundaries, ModulesLinkWhatTheyInclude) {
   }
 }
 
-/// The text without comments, texts, letters and what the preprocessor reads, as long in lines.
-std::string codeAlone(const std::string& text) {
+/// The text without comments, literals and preprocessor lines. Line numbers stay.
+std::string codeOnly(const std::string& text) {
   std::string code;
   std::size_t at = 0;
   const auto skipPast = [&](const std::string& end, std::size_t from) {
@@ -487,7 +487,7 @@ Block blockAfter(const std::string& words, Block::Kind around) {
 
 /// All blocks of a source file but those within functions.
 std::vector<Block> blocksOf(const std::string& text) {
-  const std::string code = codeAlone(text);
+  const std::string code = codeOnly(text);
   std::vector<Block> closed;
   std::vector<Block> open = {{Block::Namespace}};
   static const std::regex alias("^\\s*using (\\w+) =");
@@ -542,7 +542,7 @@ TEST(Boundaries, EachModuleHasItsNamespace) {
 }
 
 TEST(Boundaries, TypesAreDefinedOnce) {
-  // Two definitions of one name are undefined behaviour, which no linker needs to tell.
+  // Two definitions of one name are undefined behaviour. A linker need not report it.
   std::map<std::string, std::vector<std::string>> places;
   for (const SourceFile& file : sources()) {
     for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
@@ -581,7 +581,7 @@ std::vector<std::string> namesIn(const std::string& page) {
   return names;
 }
 
-// Those in a folder by their paths, others by their names alone.
+// Those in a folder by their paths, others only by their names.
 TEST(Boundaries, FilesThatPagesNameAreThere) {
   const fs::path root = KIRIREEL_SOURCE_DIR;
   std::set<std::string> fileNames;

@@ -1,4 +1,4 @@
-/// A run to look at without a deployment.
+/// A trajectory for tests without a deployment.
 #pragma once
 
 #include "sim/model/lattice.h"

@@ -10,7 +10,7 @@
 
 namespace kirireel::test {
 
-/// Springs at hinges and ligaments as a scene has them.
+/// Hinge springs and ligaments, as in a scene.
 inline model::PairForces pairForces(std::vector<model::HingeSpring> springs,
                                     std::vector<model::Ligament> ligaments = {}) {
   model::PairForces forces;

@@ -1,4 +1,4 @@
-/// Runs other people's programs, as judges that share no code with ours.
+/// Runs other programs, for checks that share no code with ours.
 #pragma once
 
 #include <cstdio>

@@ -224,7 +224,7 @@ class Bricks {
     return faces;
   }
 
-  /** All faces as triangles, with their planes, which tell the faces that face away. */
+  /** All faces as triangles, with their planes, for the test whether a face faces away. */
   triangulate() {
     const mesh = new FaceMesh(this.faces);
     this.faces.forEach((faces, brick) => {
@@ -267,9 +267,9 @@ class Bricks {
       const along = vec.dot(away, direction);
       const squared = vec.dot(away, away) - along * along;
       if (squared > this.radii[brick] * this.radii[brick]) continue;
-      const from = turned(away, poses, at + 4, -1), way = turned(direction, poses, at + 4, -1);
+      const from = turned(away, poses, at + 4, -1), heading = turned(direction, poses, at + 4, -1);
       for (const face of this.faces[brick]) {
-        const distance = distanceToFace(from, way, face);
+        const distance = distanceToFace(from, heading, face);
         // The first of several faces in one plane is visible, as in pictures.
         if (distance < nearest - 1e-6 * this.radii[brick]) {
           nearest = distance;

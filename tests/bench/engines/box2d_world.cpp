@@ -2,11 +2,11 @@
 // each pivot of the lower face.
 //
 // Box2D advances velocities by semi-implicit Euler, holds joints by sequential impulses on
-// velocities, and moves the bodies at the end of a step so that joints close (its position
-// iterations; E. Catto, Iterative dynamics with temporal coherence, Game Developers Conference,
-// 2005). It works in single precision: a gap below about 1e-6 m cannot be had. Box2D damps
-// velocities by 1 / (1 + h c) a step, so that a rate of c = -ln(1 - lost) loses the wanted part
-// within a second for short steps.
+// velocities, and moves the bodies at the end of a step to close joints (its position iterations;
+// E. Catto, Iterative dynamics with temporal coherence, Game Developers Conference, 2005). It works
+// in single precision, so gaps below about 1e-6 m are impossible. Box2D multiplies velocities by 1
+// / (1 + h c) per step. For short steps, the rate c = -ln(1 - lost) loses the requested fraction
+// per second.
 #include <cmath>
 
 #include <box2d/box2d.h>

@@ -1,8 +1,8 @@
 // Chipmunk 7 as a baseline, as the quasicrystal kirigami simulator uses it through Pymunk: a body
 // for each brick and a pivot joint for each pivot of the lower face. Chipmunk solves by sequential
 // impulses in double precision and corrects gaps by feeding a part of them back as velocities. Its
-// damping is the part of a velocity that is kept over a second, for straight and turning motions
-// alike, so that the environment's angular damping does not count.
+// damping is the fraction of a velocity that remains after a second. It is the same for linear and
+// angular velocities, so the environment's angular damping has no effect.
 #include <chipmunk/chipmunk.h>
 
 #include "tests/bench/engines/other_worlds.h"

@@ -2,11 +2,11 @@
 // and read from memory. The bricks that a breadth-first walk along the hinges reaches are bodies
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
 //
-// MuJoCo holds joints exactly, as its coordinates are joint angles; what a "connect" holds it keeps
-// by its soft constraints, so that gaps appear at closed loops alone. Model: E. Todorov, T. Erez,
-// Y. Tassa, MuJoCo: A physics engine for model-based control, IROS 2012. Velocities cannot be
-// written in joint coordinates without solving for them: a push by M v / t for the time t = kPush,
-// with gravity off, gives accelerations whose t-fold are the joint velocities.
+// MuJoCo's joints are exact, because its coordinates are joint angles. A "connect" is a soft
+// constraint, so only closed loops have gaps. Model: E. Todorov, T. Erez, Y. Tassa, MuJoCo: A
+// physics engine for model-based control, IROS 2012. Velocities cannot be written in joint
+// coordinates without solving for them: a push by M v / t for the time t = kPush, with gravity off,
+// gives accelerations whose t-fold are the joint velocities.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -118,7 +118,7 @@ class MujocoText {
     while (!waiting.empty()) {
       const int brick = waiting.front();
       waiting.pop_front();
-      // All pairs for each brick: O(bricks x pairs), which is short beside MuJoCo's own
+      // All pairs for each brick: O(bricks x pairs), which is short compared with MuJoCo's own
       // compilation.
       for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const PivotsOfPair& pair = pairs_[p];
@@ -147,7 +147,7 @@ class MujocoText {
   std::string bodyText(int brick, const Vector3& parent, const std::string& joints) const {
     const Vector3 place = start_[brick].position;
     const Matrix3 turn = start_[brick].rotation.toRotationMatrix();
-    // Bodies have the world's axes at the start, so that their inertia is turned into them.
+    // Bodies have the world's axes at the start. Their inertia is rotated into these.
     const Matrix3 inertia = turn * bricks_[brick].inertia * turn.transpose();
     std::string text = fmt::format(
         "<body name=\"b{}\" pos=\"{}\"><inertial pos=\"0 0 0\" mass=\"{}\" fullinertia=\"{} {} {} "
@@ -280,7 +280,7 @@ class MujocoWorld : public engines::BrickWorld {
     return now * bricks_[brick].inertia * now.transpose();
   }
 
-  /// The damping of the environment: MuJoCo has some of joints alone.
+  /// The damping of the environment. MuJoCo has only damping of joints.
   void damp() {
     // The rate whose exponential loses that part in a second. It acts explicitly, which is enough
     // for the small rates of studies.

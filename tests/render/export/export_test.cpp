@@ -216,7 +216,7 @@ TEST_F(Export, LeavesNothingOfASetThatFails) {
   EXPECT_THAT(filesOut(), ElementsAre());
 }
 
-TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
+TEST(ExportWarnings, ReportFewerElementsThanByDefault) {
   const auto warnings = [](int side, const exports::ExportSettings& settings) {
     scene::Scene scene;
     scene.model = model::makeTessellation(test::squares(side, side, 0.5));

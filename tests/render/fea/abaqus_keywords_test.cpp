@@ -80,8 +80,8 @@ std::map<std::string, Keyword> manual() {
   return table;
 }
 
-/// Judges decks line by line, and remembers which keywords they used.
-class Judge {
+/// Checks decks line by line, and stores which keywords they use.
+class KeywordChecker {
  public:
   void read(const std::string& deck) {
     isInStep_ = false;
@@ -138,35 +138,35 @@ class Judge {
   bool isInStep_ = false;
 };
 
-/// All decks and jobs on a mesh whose tiles stand like this.
-void judgeAll(Judge& judge, const fea::ElementMesh& mesh, const Poses& poses,
+/// All decks and jobs on a mesh at these poses.
+void checkAll(KeywordChecker& checker, const fea::ElementMesh& mesh, const Poses& poses,
               fea::DeckSettings settings = {}) {
   const fea::DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
   settings.solver = fea::Solver::Abaqus;
   settings.drive = {fea::DriveChoice::All, {}};
-  judge.read(fea::meshDeck(mesh, settings, origin));
+  checker.read(fea::meshDeck(mesh, settings, origin));
   for (const fea::DeckJob& job :
        {fea::staticJob(mesh, settings, origin, "x_mesh.inp"),
         fea::bucklingJob(mesh, settings, origin, "x_mesh.inp"),
         fea::driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
-    judge.read(job.sets);
-    judge.read(job.text);
+    checker.read(job.sets);
+    checker.read(job.text);
   }
 }
 
 /// Those of squares on hinges with these elements.
-void judge(Judge& judge, const fea::ElementRule& rule,
-           model::JointFace face = model::JointFace::Both) {
+void checkDecks(KeywordChecker& checker, const fea::ElementRule& rule,
+                model::JointFace face = model::JointFace::Both) {
   model::Model model = model::makeTessellation(test::squares(2, 2, 0.7));
   for (model::Joint& joint : model.joints) joint.face = face;
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  judgeAll(judge, fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
+  checkAll(checker, fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
            layout.poses);
 }
 
 TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
-  Judge abaqus;
+  KeywordChecker abaqus;
   const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
   const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
   for (const fea::ElementFamily family :
@@ -178,38 +178,38 @@ TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
                                       .joints = fea::JointStyle::Neck,
                                       .family = family,
                                       .neck = {.width = 0.05, .length = 0.1}};
-      judgeAll(abaqus, fea::makeNeckMesh(model, 0.02, rule), poses);
+      checkAll(abaqus, fea::makeNeckMesh(model, 0.02, rule), poses);
     }
   }
 }
 
 TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
-  Judge abaqus;
+  KeywordChecker abaqus;
   for (const fea::JointStyle style :
        {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
-    judge(abaqus, {.perEdge = 4, .joints = style});
-    judge(abaqus, {.perEdge = 4, .quadratic = false, .joints = style});
+    checkDecks(abaqus, {.perEdge = 4, .joints = style});
+    checkDecks(abaqus, {.perEdge = 4, .quadratic = false, .joints = style});
   }
-  judge(abaqus, {.family = fea::ElementFamily::Shell});
-  judge(abaqus, {.quadratic = false, .family = fea::ElementFamily::Shell},
-        model::JointFace::Top);
+  checkDecks(abaqus, {.family = fea::ElementFamily::Shell});
+  checkDecks(abaqus, {.quadratic = false, .family = fea::ElementFamily::Shell},
+             model::JointFace::Top);
   const test::Layout layout = test::hingedSquares();
   fea::ElementMesh patched =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
                                {.perEdge = 4, .joints = fea::JointStyle::Patch});
   patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1}};
-  judgeAll(abaqus, patched, layout.poses);
+  checkAll(abaqus, patched, layout.poses);
   const fea::ElementMesh shared =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
   fea::DeckSettings settings;
   settings.contactFriction = 0.3;
   settings.periodic = true;
-  judgeAll(abaqus, shared, layout.poses, settings);
+  checkAll(abaqus, shared, layout.poses, settings);
   settings.solver = fea::Solver::Abaqus;
   const fea::DeckOrigin origin;
   abaqus.read(fea::periodicJob(shared, settings, origin, "x_mesh.inp").text);
   abaqus.read(fea::stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
-  // Nothing stands in the table that no deck has.
+  // Every keyword of the table is in some deck.
   EXPECT_EQ(abaqus.unused(), std::vector<std::string>());
 }
 

@@ -49,7 +49,7 @@ fea::ElementMesh inOneGroup(fea::ElementMesh mesh) {
 }
 
 TEST(BigSheets, AreReadByGmshAsFastAsOneGroup) {
-  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to check meshes with it";
   const fea::ElementMesh mesh = sheetOf({});
   const test::TemporaryFolder folder;
   writeTextFile(folder / "sheet.msh", fea::gmshMesh(mesh));
@@ -78,7 +78,7 @@ std::string withoutSets(const std::string& deck) {
 }
 
 TEST(BigSheets, AreReadByCalculixAsFastAsWithoutSets) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const fea::ElementMesh mesh = sheetOf({.perEdge = 1, .through = 1, .quadratic = false});
   const fea::DeckJob job = fea::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
   const std::string deck = fea::meshDeck(mesh, {}, kOrigin) + job.sets;

@@ -1,5 +1,5 @@
-// Springs, contact, ties and maps of decks in CalculiX, each beside a calculation by hand: skipped
-// where ccx is not installed.
+// Springs, contact, ties and maps of decks in CalculiX, each against a calculation by hand. Skipped
+// if ccx is not installed.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 class CalculixJobs : public testing::Test {
  protected:
   void SetUp() override {
-    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   }
 };
 
@@ -158,7 +158,7 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   const JobEnd end = test::run(fea::meshDeck(mesh, settings, kOrigin), job);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const auto [force, moment] = contactForces(end.data);
-  // About (1, 0): 100 N times 1 m, whatever the pressure's distribution.
+  // About (1, 0): 100 N times 1 m, for any distribution of the pressure.
   const double about = moment.z() - (1 * force.y() - 0 * force.x());
   EXPECT_NEAR(std::abs(about), 100, 1e-2);  // measured: 100.0018
 }

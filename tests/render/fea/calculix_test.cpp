@@ -1,4 +1,4 @@
-// CalculiX as the judge of decks: skipped where ccx is not installed.
+// Checks decks with CalculiX. Skipped if ccx is not installed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -42,7 +42,7 @@ std::string printing(std::string job) {
 class JobTemplate : public testing::TestWithParam<fea::ElementRule> {
  protected:
   void SetUp() override {
-    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   }
 };
 
@@ -106,17 +106,17 @@ double cantilever(const fea::ElementRule& rule) {
 }
 
 TEST(Bending, OfACantileverIsThatOfABeam) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  const double usual = cantilever({});
-  EXPECT_GT(usual, 0.97);  // measured: 0.991; a clamped end keeps its width, which stiffens it
-  EXPECT_LT(usual, 1.02);
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
+  const double standard = cantilever({});
+  EXPECT_GT(standard, 0.97);  // measured: 0.991; a clamped end keeps its width, which stiffens it
+  EXPECT_LT(standard, 1.02);
   const double linear = cantilever({.quadratic = false});
   EXPECT_GT(linear, 0.97);  // measured: 0.973
   EXPECT_LT(linear, 1.02);
 }
 
-/// The deflection at the middle of a square plate of 1 m under its own weight, as a part of
-/// c q a^4 / D. `held` tells which nodes are held by which axes.
+/// The deflection at the middle of a square plate of 1 m under its own weight, as a fraction of c q
+/// a^4 / D. `held`: which nodes are fixed along which axes.
 double plate(double coefficient, const std::string& held, double thickness = 0.02,
              const fea::ElementRule& rule = {}) {
   const Layout layout = strip(1, 1, thickness);
@@ -143,7 +143,7 @@ double plate(double coefficient, const std::string& held, double thickness = 0.0
 constexpr const char* kClampedEdges = "XMIN, 1, 3\nXMAX, 1, 3\nYMIN, 1, 3\nYMAX, 1, 3\n";
 
 TEST(Bending, OfPlatesIsThatOfKirchhoff) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   // Coefficients of Timoshenko and Woinowsky-Krieger, Theory of Plates and Shells: clamped on all
   // edges 0.001265; resting on its four corners 0.0255 (Poisson's ratio 0.3).
   const double clamped = plate(0.001265, kClampedEdges);
@@ -167,7 +167,7 @@ double errorInWarning(double thickness, const fea::ElementRule& rule) {
 }
 
 TEST(Bending, OfThinPlatesIsThatOfTheWarning) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   struct ThinPlate {
     int perEdge;
     double slenderness;
@@ -245,7 +245,7 @@ double shellPlate(const fea::ElementMesh& mesh, double coefficient, bool isClamp
 }
 
 TEST(Bending, OfShellsIsThatOfKirchhoff) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const Layout layout = strip(1, 1, 0.02);
   const fea::ElementMesh mesh = fea::makeElementMesh(
       layout.bricks, {}, layout.poses, {.family = fea::ElementFamily::Shell});
@@ -270,7 +270,7 @@ TEST(Bending, OfShellsByGmshIsThatOfKirchhoff) {
 }
 
 TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const Layout layout = strip(10, 1, 0.5);
   const fea::ElementMesh mesh = fea::makeElementMesh(
       layout.bricks, {}, layout.poses, {.family = fea::ElementFamily::Shell});
@@ -283,7 +283,7 @@ TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
 }
 
 TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   // A roof of 45 degrees whose two halves are joined on their lower face; 100 N on its ridge.
   const Layout layout = test::layoutOf(
       {model::Tile{{{0, 0, 0}, {1, 0, 1}, {1, 1, 1}, {0, 1, 0}}},
@@ -333,20 +333,20 @@ std::string drivenJob(int node, double y) {
 class HingeMechanism : public testing::TestWithParam<fea::JointStyle> {};
 
 TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const double start = 0.7;
   const Layout layout = test::hingedSquares(start);
   const fea::ElementMesh mesh = fea::makeElementMesh(
       layout.bricks, layout.joints, layout.poses, {2, 1, false, GetParam()});
-  const Vector3 wanted = linkage(start, 1.1);
+  const Vector3 expected = linkage(start, 1.1);
   // A node of tile 3 that follows no other: the middle of its bottom.
   const int driven = mesh.tiles[3].bottom[4] + 1;
-  const JobEnd end = run(fea::meshDeck(mesh, {}, kOrigin), drivenJob(driven, wanted.y()));
+  const JobEnd end = run(fea::meshDeck(mesh, {}, kOrigin), drivenJob(driven, expected.y()));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::vector<Vector3> moved = displacements(end.data);
   ASSERT_GE(moved.size(), 9U);
   for (std::size_t k = moved.size() - 9; k < moved.size(); ++k) {
-    EXPECT_LT((moved[k] - wanted).norm(), 1e-5)  // measured: 6.5e-8
+    EXPECT_LT((moved[k] - expected).norm(), 1e-5)  // measured: 6.5e-8
         << moved[k].transpose();
   }
 }
@@ -371,7 +371,7 @@ fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
 }
 
 TEST(Drive, EndsWhereTheLinkageDoes) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   // Two tiles at opposite corners move as the linkage does; all others have to follow.
   const double start = 0.7;
   for (const int rowLength : {2, 4}) {
@@ -393,8 +393,8 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
     ASSERT_GE(moved.size(), nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const Vector3 inTile = mesh.nodes[nodes[k]] - layout.poses[1].position;
-      const Vector3 wanted = history.poses.back()[1].apply(inTile) - mesh.nodes[nodes[k]];
-      EXPECT_LT((moved[k] - wanted).norm(), 1e-6) << rowLength;  // measured: 4.0e-8
+      const Vector3 expected = history.poses.back()[1].apply(inTile) - mesh.nodes[nodes[k]];
+      EXPECT_LT((moved[k] - expected).norm(), 1e-6) << rowLength;  // measured: 4.0e-8
     }
   }
 }

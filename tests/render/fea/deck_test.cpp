@@ -25,7 +25,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Turned in space and moved away, so that no coordinate is round.
+/// Rotates and moves the layout, so no coordinate is a round number.
 Layout turned(Layout layout) {
   const Pose turn{{7, -3, 1e-5}, rotationFromVector({0.3, -0.8, 1.7})};
   for (Pose& pose : layout.poses) {
@@ -131,7 +131,7 @@ TEST(Deck, SharesNodesAtHinges) {
   EXPECT_TRUE(deck.equations.empty());
 }
 
-TEST(Deck, SharesTheNodesOfOneFaceAlone) {
+TEST(Deck, SharesOnlyTheNodesOfOneFace) {
   for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
     Layout layout = test::hingedSquares();
     for (model::Joint& joint : layout.joints) joint.face = face;
@@ -219,7 +219,7 @@ TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
   EXPECT_EQ(small.tiles[0].layerCount, 50 * 50);
 }
 
-TEST(Deck, LeavesOutSetsThatAreNotWanted) {
+TEST(Deck, OmitsSetsThatAreNotRequested) {
   const Layout layout = test::hingedSquares();
   const Deck none = deckOf(layout, {}, {.sets = fea::SetChoice::None});
   EXPECT_THAT(none.elementSets, testing::SizeIs(1));
@@ -235,12 +235,12 @@ TEST(Deck, NamesTheEndsOfTheSheet) {
   const Deck deck = deckOf(layout, {2, 1, false});
   for (const auto& [name, axis, end] :
        {std::tuple{"XMIN", 0, -1}, {"XMAX", 0, 1}, {"YMIN", 1, -1}, {"YMAX", 1, 1}}) {
-    std::vector<int> wanted;
+    std::vector<int> expected;
     for (const auto& [number, at] : deck.nodes) {
-      if (std::abs(at[axis] - end) < 1e-12) wanted.push_back(number);
+      if (std::abs(at[axis] - end) < 1e-12) expected.push_back(number);
     }
-    EXPECT_EQ(deck.nodeSets.at(name), wanted) << name;
-    EXPECT_GE(wanted.size(), 2U * 5U);  // two edges of three nodes on two faces, some shared
+    EXPECT_EQ(deck.nodeSets.at(name), expected) << name;
+    EXPECT_GE(expected.size(), 2U * 5U);  // two edges of three nodes on two faces, some shared
   }
   EXPECT_EQ(deck.nodeSets.at("BOXCORNERS").size(), 2U * 4U);
   EXPECT_FALSE(deck.nodeSets.contains("ZMIN"));  // the tiles' own bottoms
@@ -383,7 +383,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
       const Layout layout = test::layoutOf(tiles, model.joints);
       const fea::ElementMesh mesh =
           meshOf(layout, {.perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation});
-      if (mesh.largestGap > 1e-9) continue;  // torn: not a state of the sheet
+      if (mesh.largestGap > 1e-9) continue;  // open joints: not a state of the sheet
       ++states;
       EXPECT_EQ(fea::leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
     }

@@ -1,4 +1,4 @@
-// Gmsh as the judge of its own format: skipped where it is not installed.
+// Checks meshes with Gmsh. Skipped if it is not installed.
 #include <algorithm>
 #include <iterator>
 #include <numbers>
@@ -31,7 +31,7 @@ test::Deck throughGmsh(const fea::ElementMesh& mesh) {
 class GmshProgram : public testing::TestWithParam<bool> {};
 
 TEST_P(GmshProgram, KeepsSetsAndElements) {
-  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to check meshes with it";
   const test::Layout layout = test::hingedSquares();
   const fea::ElementMesh mesh =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
@@ -74,7 +74,7 @@ void expectCoherent(const fea::ElementMesh& mesh) {
 }
 
 TEST(GmshProgram, FindsNothingTwice) {
-  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to check meshes with it";
   for (const fea::JointStyle style :
        {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
     for (const double angle : {0.0, 1e-9, 0.7}) {
@@ -129,7 +129,7 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   const fea::ElementMesh shut = fea::makeNeckMesh(model, 0.02, necks({.width = 0.1}));
   EXPECT_EQ(piecesOf(shut), 1);
   EXPECT_NEAR(areaOf(shut), 9, 1e-9);  // nine squares of 1 m; measured: exactly that
-  // Tiles share nodes at necks alone: within the width of a neck from a corner.
+  // Tiles share nodes only at necks: within the width of a neck from a corner.
   for (std::size_t t = 0; t < shut.tiles.size(); ++t) {
     for (std::size_t other = 0; other < t; ++other) {
       std::vector<int> common;
@@ -151,8 +151,8 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   const fea::ElementMesh open = fea::makeNeckMesh(model, 0.02, necks(beam));
   EXPECT_EQ(piecesOf(open), 1);
   const double tiles = 9 * 0.99 * 0.99;
-  const double wanted = tiles + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05);
-  EXPECT_NEAR(areaOf(open), wanted, 1e-9);
+  const double expected = tiles + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05);
+  EXPECT_NEAR(areaOf(open), expected, 1e-9);
 }
 
 TEST(NeckMesh, SaysWhichNecksFit) {

@@ -54,7 +54,7 @@ def shape(x, y):
 
 
 def shares(nodes, elements):
-    """The area of a tile that each of its nodes stands for; elements have straight sides."""
+    """The area of a tile that each of its nodes represents. Elements have straight sides."""
     found = {}
     for cell in elements:
         (x1, y1), (x2, y2), (x3, y3), (x4, y4) = (nodes[n] for n in cell[:4])
@@ -121,7 +121,7 @@ def main():
         load = {n: (moment * x, moment * y) for n, (x, y) in rows[2].items()}
         states = solve(lines, [load], held, "*STEP, NLGEOM\n*STATIC, DIRECT\n0.1, 1.\n")
         for k, u in enumerate(states):
-            # Of each tile alone the mean is the sine of its turn, and loads keep their directions.
+            # For a single tile the mean is the sine of its rotation. Loads keep their directions.
             half = math.asin(sum(f[0] * u[n][0] + f[1] * u[n][1] for n, f in rows[2].items()) / 2)
             print(2 * half, 0.1 * (k + 1) * moment * math.cos(half))
         return

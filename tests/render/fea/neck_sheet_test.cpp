@@ -1,5 +1,5 @@
-// Sheets with necks in CalculiX, beside meshes that Gmsh makes without our code
-// (sheet_stiffness.py): skipped where ccx, gmsh or python3 is not installed.
+// Sheets with necks in CalculiX, compared with meshes that Gmsh makes without our code
+// (sheet_stiffness.py). Skipped if ccx, gmsh or python3 is not installed.
 
 #include <algorithm>
 #include <array>
@@ -33,7 +33,7 @@ class NeckSheet : public testing::Test {
  protected:
   void SetUp() override {
     for (const char* program : {"ccx", "gmsh", "python3"}) {
-      if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+      if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
     }
   }
 };
@@ -45,25 +45,26 @@ fea::ElementRule plane(const writers::NeckShape& neck, int perEdge = 0) {
           .neck = neck};
 }
 
-/// What sheet_stiffness.py says.
-struct Judged {
+/// Results of sheet_stiffness.py.
+struct SheetStiffness {
   double stiffness = 0;
   int pieces = 0;
 };
 
-Judged judged(const std::string& words) {
+SheetStiffness sheetStiffness(const std::string& words) {
   std::istringstream said(test::outputOf(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/sheet_stiffness.py' " + words));
-  Judged found;
+  SheetStiffness found;
   said >> found.stiffness >> found.pieces;
   return found;
 }
 
-Judged judged(const char* what, const model::Model& model, const fea::ElementRule& rule) {
+SheetStiffness sheetStiffness(const char* what, const model::Model& model,
+                              const fea::ElementRule& rule) {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
   writeTextFile(file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, rule), {}, kOrigin));
-  return judged(fmt::format("{} '{}'", what, file.string()));
+  return sheetStiffness(fmt::format("{} '{}'", what, file.string()));
 }
 
 TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
@@ -72,8 +73,9 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
   for (const double width : {0.05, 0.1, 0.2}) {
     const auto pattern = folder / "sheet.dxf";
     writeTextFile(pattern, writers::patternDxf(writers::cutPattern(model, width)));
-    const Judged other = judged(fmt::format("pull '{}' {}", pattern.string(), width / 16));
-    const Judged own = judged("pull", model, plane({.width = width}));
+    const SheetStiffness other =
+        sheetStiffness(fmt::format("pull '{}' {}", pattern.string(), width / 16));
+    const SheetStiffness own = sheetStiffness("pull", model, plane({.width = width}));
     EXPECT_EQ(other.pieces, 1);
     EXPECT_EQ(own.pieces, 1);
     // Measured: 157.0 of 158.1 N, 705.5 of 710.5 N, 3474 of 3514 N; the other mesh sinks towards
@@ -85,13 +87,13 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
 TEST_F(NeckSheet, ConvergesFromAbove) {
   const model::Model model = model::makeTessellation(test::squares(4, 4, 0));
   const auto force = [&](int perEdge) {
-    return judged("pull", model, plane({.width = 0.05}, perEdge)).stiffness;
+    return sheetStiffness("pull", model, plane({.width = 0.05}, perEdge)).stiffness;
   };
-  const double coarse = force(2), usual = force(8), fine = force(16);
+  const double coarse = force(2), middle = force(8), fine = force(16);
   // Measured: 159.2, 157.0, 156.6 N.
-  EXPECT_GT(coarse, usual);
-  EXPECT_GT(usual, fine);
-  EXPECT_LT(usual / fine, 1.005);
+  EXPECT_GT(coarse, middle);
+  EXPECT_GT(middle, fine);
+  EXPECT_LT(middle / fine, 1.005);
 }
 
 /// Two squares of 1 m side by side, joined at their lower corners.
@@ -127,7 +129,7 @@ double betweenRigidTiles(const writers::NeckShape& neck, double thickness) {
   return 2 * std::strtod(end.data.c_str() + end.data.find('\n', place), nullptr) / (angle * angle);
 }
 
-TEST_F(NeckSheet, NeckAloneIsABeam) {
+TEST_F(NeckSheet, SingleNeckIsABeam) {
   const double width = 0.02, thickness = 0.002;
   for (const double length : {0.1, 0.2, 0.4}) {
     const double beam = 1e9 * thickness * std::pow(width, 3) / (12 * length);
@@ -140,8 +142,9 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
   const double width = 0.02;
   for (const double length : {0.01, 0.02, 0.04, 0.1, 0.2, 0.4}) {
     const double own =
-        judged("turn", twoSquares(), plane({.width = width, .length = length})).stiffness;
-    const double other = judged(fmt::format("turn {} {} {}", width, length, width / 20)).stiffness;
+        sheetStiffness("turn", twoSquares(), plane({.width = width, .length = length})).stiffness;
+    const double other =
+        sheetStiffness(fmt::format("turn {} {} {}", width, length, width / 20)).stiffness;
     EXPECT_NEAR(own / other, 1, 0.005) << length;  // measured: 0.9985 to 0.9998
     // Between the table's rows and on them, with coarser elements. Measured: 1.0002 to 1.0013.
     EXPECT_NEAR(own / model::neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
@@ -152,7 +155,7 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
 double endsByDeck(double lengthInWidths) {
   const double youngs = 1e9, thickness = 0.002, width = 0.02;
   const writers::NeckShape neck{.width = width, .length = lengthInWidths * width};
-  const double stiffness = judged("turn", twoSquares(), plane(neck, 16)).stiffness;
+  const double stiffness = sheetStiffness("turn", twoSquares(), plane(neck, 16)).stiffness;
   return youngs * thickness * width * width / (12 * stiffness) - lengthInWidths;
 }
 
@@ -161,7 +164,7 @@ bool isToUpdate() {
   return wish != nullptr && std::string(wish) == "update";
 }
 
-/// Writes the rows of a table anew.
+/// Rewrites the rows of a table.
 void updateTable(const std::string& type, const std::string& lines) {
   const std::string file = KIRIREEL_SOURCE_DIR "/sim/model/neck_table.h";
   std::string text = test::bytesOf(file);
@@ -282,7 +285,7 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
 }
 
 /// The numbers of N m/rad that a deck says of its necks.
-std::vector<double> saidStiffness(const std::vector<model::Tile>& tiles,
+std::vector<double> deckStiffness(const std::vector<model::Tile>& tiles,
                                   const std::vector<model::Joint>& joints,
                                   const writers::NeckShape& neck) {
   model::Model model;
@@ -303,13 +306,13 @@ std::vector<double> saidStiffness(const std::vector<model::Tile>& tiles,
   return found;
 }
 
-// What a deck says of its necks is what CalculiX finds of them, whatever the tiles' angles.
-TEST_F(NeckSheet, DecksSayHowStiffTheirNecksAre) {
+// The stiffness in a deck is that which CalculiX computes, for any angles of the tiles.
+TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
   const double width = 0.1;
   for (const double angle : {60.0, 90.0, 120.0}) {
     const NeckPair pair = pairOf(tableTile(angle), tableTile(angle));
     const std::vector<double> said =
-        saidStiffness(pair.model.tiles, pair.model.joints, {.width = width});
+        deckStiffness(pair.model.tiles, pair.model.joints, {.width = width});
     ASSERT_EQ(said.size(), 1U);
     const double found = 1e9 * 0.002 * width * width / cornerByDeck(pair.model, width).at(0);
     EXPECT_NEAR(said[0] / found, 1, 0.01) << angle;  // measured: misses by 9e-4 at most
@@ -317,19 +320,19 @@ TEST_F(NeckSheet, DecksSayHowStiffTheirNecksAre) {
   // With a length too, and unlike ones have a range.
   const NeckPair triangles = pairOf(tableTile(60), tableTile(60));
   const auto slender =
-      saidStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
+      deckStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
   EXPECT_NEAR(slender.at(0), model::neckStiffness(1e9, 0.002, 0.02, 0.1, triangles.corners),
               1e-3 * slender.at(0));
   // A square, a triangle below it and another square to its right.
   const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   const model::Tile triangle{{{0, 0, 0}, {0.5, -std::sqrt(0.75), 0}, {1, 0, 0}}};
   const model::Tile right{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}};
-  const std::vector<double> range = saidStiffness(
+  const std::vector<double> range = deckStiffness(
       {square, triangle, right}, {{{0, 0}, {1, 0}}, {{0, 2}, {2, 3}}}, {.width = width});
   ASSERT_EQ(range.size(), 2U);
-  EXPECT_NEAR(range[1], saidStiffness({square, right}, {{{0, 2}, {1, 3}}}, {.width = width})[0],
+  EXPECT_NEAR(range[1], deckStiffness({square, right}, {{{0, 2}, {1, 3}}}, {.width = width})[0],
               1e-3 * range[1]);
-  EXPECT_NEAR(range[0], saidStiffness({square, triangle}, {{{0, 0}, {1, 0}}}, {.width = width})[0],
+  EXPECT_NEAR(range[0], deckStiffness({square, triangle}, {{{0, 0}, {1, 0}}}, {.width = width})[0],
               1e-3 * range[0]);
 }
 
@@ -354,9 +357,9 @@ TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
   expect(rhombus(75), rhombus(75), {0.01, 0.01, 0.04, 0.03}, "75");
   expect(rhombus(105), rhombus(105), {0.01, 0.01, 0.04, 0.03}, "105");
   expect(tableTile(135), tableTile(135), {0.01, 0.01, 0.03, 0.04}, "135");
-  // A parallelogram's two angles at one neck, and a triangle beside a square.
-  expect(rhombus(60), rhombus(120), {0.01, 0.02, 0.06, 0.05}, "60 beside 120");
-  expect(tableTile(60), tableTile(90), {0.02, 0.02, 0.06, 0.06}, "60 beside 90");
+  // A parallelogram's two angles at one neck, and a triangle next to a square.
+  expect(rhombus(60), rhombus(120), {0.01, 0.02, 0.06, 0.05}, "60 and 120");
+  expect(tableTile(60), tableTile(90), {0.02, 0.02, 0.06, 0.06}, "60 and 90");
 }
 
 // Bending and axis of necks with a length.
@@ -381,7 +384,7 @@ TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
   expect(tableTile(120), tableTile(120), 4, 0.02, "120");
   expect(rhombus(75), rhombus(75), 1, 0.02, "75");
   expect(rhombus(105), rhombus(105), 1, 0.02, "105");
-  expect(rhombus(60), rhombus(120), 1, 0.03, "60 beside 120");
+  expect(rhombus(60), rhombus(120), 1, 0.03, "60 and 120");
 }
 
 // The moment over the angle, as slits open, with large displacements.

@@ -121,7 +121,7 @@ TEST(SheetEnds, AreTheSameInAnyRotation) {
 }
 
 TEST(SheetEnds, AreWhatAPersonWouldHold) {
-  // Squares that stand on their corners: both edges at each outer corner, none within.
+  // Squares with diagonals along the axes: both edges at each outer corner, no edges inside.
   const model::Model model = model::makeTessellation(test::squares(2, 1, 0));
   std::vector<std::vector<Vector3>> diamonds;
   for (const double x : {0.0, 2.0}) {

@@ -17,7 +17,7 @@ double leastDistance(const std::vector<Vector3>& nodes) {
   return least;
 }
 
-TEST(SeparatedNodes, MovesThoseInOnePlaceAlone) {
+TEST(SeparatedNodes, MovesOnlyCoincidentNodes) {
   for (const fea::JointStyle style :
        {fea::JointStyle::Shared, fea::JointStyle::Equation}) {
     const test::Layout layout = test::hingedSquares(0);

@@ -174,7 +174,7 @@ def at_edge_point(points, cells, x, y):
 
 
 def two_squares(width, length, size):
-    """A Gmsh script: squares beside x = 1, a slit between them that ends at a neck below."""
+    """A Gmsh script: squares on both sides of x = 1, a slit between them that ends at a neck below."""
     a, b = 1 - length / 2, 1 + length / 2
     # Around the left tile, the right tile; the slit's two sides are lines of their own.
     corners = [(0, 0), (a, 0), (a, width), (a, 2 * width), (1, 2 * width), (1, 1), (0, 1),

@@ -28,7 +28,7 @@ struct Style {
 class Statics : public testing::TestWithParam<Style> {
  protected:
   void SetUp() override {
-    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   }
 
   fea::ElementMesh meshOf(const Layout& layout, int perEdge = 4) const {
@@ -43,7 +43,7 @@ model::Tile quad(const Vector3& a, const Vector3& b, const Vector3& c, const Vec
   return model::Tile{{a, b, c, d}};
 }
 
-/// Those of these nodes that follow no others, so that a job may hold them.
+/// The nodes among these that follow no others, which a job may fix.
 std::vector<int> leadersAmong(const fea::ElementMesh& mesh, const std::vector<int>& nodes) {
   const std::vector<bool> follows = fea::followers(mesh);
   std::vector<int> leaders;
@@ -58,8 +58,8 @@ std::vector<int> allNodes(const fea::ElementMesh& mesh) {
 }
 
 TEST_P(Statics, ThreeHingedArchHasTheReactionsOfStatics) {
-  // Feet A (0, 0) and B (2, 0), crown C (1, 1); 100 N down at (0.4, 0.6). About A, with the left
-  // half's load alone, the right half pushes along BC: RB = (-20, 20), RA = (20, 80).
+  // Feet A (0, 0) and B (2, 0), crown C (1, 1); 100 N down at (0.4, 0.6). About A, with a load only
+  // on the left half, the right half pushes along BC: RB = (-20, 20), RA = (20, 80).
   const Vector3 a(0, 0, 0), b(2, 0, 0), c(1, 1, 0);
   const Layout layout = test::layoutOf(
       {quad(a, {0.6, 0.4, 0}, c, {0.4, 0.6, 0}), quad(b, {1.6, 0.6, 0}, c, {1.4, 0.4, 0})},
@@ -96,7 +96,7 @@ TEST_P(Statics, HingeTurnsWithoutMoment) {
       "FREQUENCY=1000\nS\n*NODE PRINT, "
       "FREQUENCY=1000, NSET=DRIVEN");
   const std::string step = "*STEP\n*STATIC\n";
-  // Forces are rounding alone: what to compare them with has to be said, here 1 N.
+  // Forces are only rounding errors, so they need a reference, here 1 N.
   job.replace(job.find(step), step.size(),
               "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.\n"
               "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, 1., 1.\n");

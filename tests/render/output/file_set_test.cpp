@@ -24,7 +24,7 @@ std::map<std::string, std::string> contentsOf(const fs::path& folder) {
   return contents;
 }
 
-/// The record of these files as they stand in a folder.
+/// The record of these files in a folder.
 std::string recordOf(const fs::path& folder, const std::vector<std::string>& names) {
   output::FileList files;
   for (const std::string& name : names) files[name] = output::digestOf(folder, name);
@@ -155,7 +155,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
 
 TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   leaveRun({{"a.obj", "run"}});
-  test::writeText(folder_.path() / "sub", "a file of others where a folder is wanted");
+  test::writeText(folder_.path() / "sub", "a foreign file in place of a folder");
   {
     output::FileSet files(folder_.path(), output::kContents);
     test::writeText(files.stage() / "b.obj", "export");
@@ -175,7 +175,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   EXPECT_FALSE(fs::exists(folder_.path() / output::kUnfinished));
 }
 
-TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
+TEST_F(FileSetTest, KeepsAForeignHiddenFolder) {
   test::writeText(folder_ / ".unfinished/notes.txt", "theirs");
   EXPECT_THAT(
       [this] { const output::FileSet files(folder_.path(), output::kSummary); },

@@ -138,8 +138,8 @@ TEST(PackedMagnitudes, AreWithinHalfAStep) {
   EXPECT_EQ(codes[4], 255);
   const double least = packed.at("least"), most = packed.at("most");
   for (std::size_t k = 1; k < values.size(); ++k) {
-    const double told = least * std::pow(most / least, (codes[k] - 1) / 254.0);
-    EXPECT_NEAR(std::log(told / values[k]), 0, 0.5 / 254 * std::log(most / least) + 1e-12);
+    const double decoded = least * std::pow(most / least, (codes[k] - 1) / 254.0);
+    EXPECT_NEAR(std::log(decoded / values[k]), 0, 0.5 / 254 * std::log(most / least) + 1e-12);
   }
 }
 

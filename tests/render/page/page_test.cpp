@@ -25,7 +25,7 @@ trajectory::Trajectory opening() {
   trajectory::Trajectory run = test::openingSquares();
   run.model.name = "a <b> & \"c\"";
   run.events = {{1, "settled: all is open"}};
-  run.findings = R"({"warnings": ["the <target> is torn"], "path": {"reason": "a straight pull"}})";
+  run.findings = R"({"warnings": ["the <target> is open"], "path": {"reason": "a straight pull"}})";
   return run;
 }
 
@@ -56,7 +56,7 @@ class WebPage : public testing::Test {
 TEST_F(WebPage, AsksForNothingBesideItself) {
   const std::string page = text();
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
-  // Elements before the scripts: whatever they refer to is within.
+  // Elements before the scripts: all their references are inside.
   const std::string elements = page.substr(0, page.find("<script>\n"));
   const std::regex reference("\\b(src|href|action|poster)\\s*=\\s*\"(?!data:)");
   EXPECT_FALSE(std::regex_search(elements, reference));
@@ -106,7 +106,7 @@ TEST_F(WebPage, TellsTheRunInWords) {
   EXPECT_THAT(page, HasSubstr("<dd>4 tiles, 4 joints</dd>"));
   EXPECT_THAT(page, HasSubstr("<dd>settled: all is open</dd>"));
   EXPECT_THAT(page, HasSubstr("<dd>a straight pull</dd>"));
-  EXPECT_THAT(page, HasSubstr("<p class=\"warning\">the &lt;target&gt; is torn</p>"));
+  EXPECT_THAT(page, HasSubstr("<p class=\"warning\">the &lt;target&gt; is open</p>"));
   EXPECT_THAT(page, HasSubstr("src=\"data:image/png;base64,iVBORw0KGgo"));
 }
 

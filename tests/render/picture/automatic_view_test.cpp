@@ -171,7 +171,7 @@ TEST(AutomaticView, TurnsWithTheModel) {
 }
 
 TEST(AutomaticView, StaysAboveTheGround) {
-  // A roof whose fronts look down.
+  // A roof whose fronts face down.
   Tiles roof = rolledSheet(6, 4, 0.3);
   for (model::Tile& tile : roof) std::ranges::reverse(tile.vertices);
   const std::vector<Tiles> states = {roof};

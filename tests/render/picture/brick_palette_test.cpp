@@ -27,7 +27,7 @@ model::Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
   return tile;
 }
 
-/// A tessellation whose target stands 2 m above its start.
+/// A tessellation whose target is 2 m above its start.
 picture::PictureContent tessellationContent() {
   model::Model model = model::makeTessellation({});
   model.target = model.tiles;
@@ -208,10 +208,10 @@ TEST(BrickPalette, TellsStartWayAndTargetApart) {
   const picture::PictureContent content = tessellationContent();
   const picture::BrickPalette palette(coloured(picture::Colouring::State), content);
   const picture::BrickColours start = palette.colours(content.start)[0];
-  const picture::BrickColours way = palette.colours(lifted(content, 1))[0];
+  const picture::BrickColours moving = palette.colours(lifted(content, 1))[0];
   const picture::BrickColours target = palette.colours(lifted(content, 2))[0];
-  EXPECT_NE(start, way);
-  EXPECT_NE(way, target);
+  EXPECT_NE(start, moving);
+  EXPECT_NE(moving, target);
   EXPECT_NE(start, target);
 }
 
@@ -243,11 +243,11 @@ TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::Shape), content)),
             (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::State), content)),
-            (std::vector<std::string>{"at its start", "on its way"}));
+            (std::vector<std::string>{"at its start", "on its moving"}));
   EXPECT_TRUE(picture::BrickPalette(coloured(picture::Colouring::Plain), content).legend().empty());
 }
 
-/// What a look is refused with.
+/// The message of a refused style.
 std::string refusalOf(const picture::Look& look, const picture::PictureContent& content) {
   return test::refusalOf([&] { const picture::BrickPalette palette(look, content); });
 }

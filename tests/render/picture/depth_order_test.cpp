@@ -115,7 +115,7 @@ TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
   }
 }
 
-/// Whether another piece stands before a point of one.
+/// Whether another piece is in front of a point of one.
 bool isHidden(const std::vector<picture::Piece>& pieces, const picture::Piece& own,
               const Vector3& point, const picture::Camera& camera) {
   return std::ranges::any_of(pieces, [&](const picture::Piece& piece) {

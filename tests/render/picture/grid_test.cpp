@@ -142,7 +142,7 @@ TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
   EXPECT_EQ(pictures[0].frame.at(45, 10), (picture::Colour{0, 0, 0}));
 }
 
-TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
+TEST(TrimAlike, KeepsEmptyAndFullPictures) {
   std::vector<picture::GridPicture> pictures(1,
                                              {picture::makeFrame({40, 30}, {255, 255, 255}), ""});
   cutToFilledPart(pictures);
@@ -279,7 +279,7 @@ TEST(Grid, ShrinksCaptionsThatAreTooWide) {
   for (picture::GridPicture& picture : pictures) picture.caption = "t = 1.25 s, error 1.2e-03 m";
   const picture::GridLayout layout = picture::layOutGrid({220, 200}, {1, 2});
   const picture::Frame sheet = picture::composeGrid(pictures, {1, 2});
-  // Nothing is written between the columns or beside them.
+  // No text is between the columns or at their sides.
   for (int y = layout.upper(0) + 200; y < sheet.size.height; ++y) {
     for (int x = 0; x < layout.gap; ++x) {
       ASSERT_EQ(sheet.at(x, y), picture::GridStyle().background);
@@ -295,7 +295,7 @@ TEST(Grid, DrawsABarOfTheTrueLengthBelowAllPictures) {
   const picture::Frame sheet = picture::composeGrid(colouredPictures(2, {300, 200}), {1, 2}, style);
   EXPECT_EQ(sheet.size.height,
             picture::layOutGrid({300, 200}, {1, 2}).sheet.height + layout.scaleHeight);
-  // Half a picture's width is 1.95 m, so that the bar stands for 1 m.
+  // Half a picture's width is 1.95 m, so the bar represents 1 m.
   int longest = 0;
   for (int y = layout.upper(0) + 200 + layout.captionHeight; y < sheet.size.height; ++y) {
     int run = 0;

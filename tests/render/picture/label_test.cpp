@@ -140,7 +140,7 @@ TEST(Shaping, OrdersMixedLines) {
   EXPECT_FALSE(picture::LabelWriter(30).shape("12 abc אבג").isRightToLeft);
 }
 
-TEST(Shaping, LeavesPlainTextAlone) {
+TEST(Shaping, KeepsPlainText) {
   const picture::LabelWriter writer(20);
   EXPECT_TRUE(writer.shape("AVATAR office, \u03b1 = 30\u00b0").isPlain);
   EXPECT_FALSE(writer.shape("שלום").isPlain);

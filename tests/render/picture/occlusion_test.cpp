@@ -28,7 +28,7 @@ std::vector<Corners> box(const Vector3& least, const Vector3& most) {
   return faces;
 }
 
-/// A face that looks up and is so small that all its points see the same.
+/// A face that faces up and is so small that all its points have the same view.
 std::vector<Corners> speck() {
   return box({-1e-6, -1e-6, -1e-6}, {1e-6, 1e-6, 0});
 }
@@ -52,7 +52,7 @@ TEST(Occluders, KeepAwayTheFormFactorOfARectangle) {
   EXPECT_NEAR(speckOcclusion({box({-2, -1, 0.5}, {2, 1, 0.6})}), 4 * cornerFactor(2, 1, 0.5), 1e-9);
 }
 
-// A wall that stands on the point's plane takes half of what its whole outline would.
+// A wall on the point's plane blocks half of the light that its whole outline would block.
 TEST(Occluders, AreCutAtTheHorizon) {
   const double whole = speckOcclusion({box({0.1, -1, 0}, {0.2, 1, 1})});
   const double below = speckOcclusion({box({0.1, -1, -1}, {0.2, 1, 1})});
@@ -76,7 +76,7 @@ TEST(Occluders, LeaveAFlatSheetOpen) {
   for (int k = 0; k < 9; ++k) {
     EXPECT_EQ(occluders.occlusion(k, faces[k][1], Vector3::UnitZ()), 0);
   }
-  // The side that looks into a gap of its own height is dark, that at the border open.
+  // The side that faces a gap of its own height is dark, the side at the border is not.
   EXPECT_GT(occluders.occlusion(4, faces[4][2], -Vector3::UnitY()), 0.3);
   EXPECT_EQ(occluders.occlusion(0, faces[0][2], -Vector3::UnitY()), 0);
 }
@@ -90,7 +90,7 @@ TEST(Occluders, DoNotKnowTheAxes) {
     turned.push_back(faces.back());
     for (std::size_t i = 0; i < faces.back().size(); ++i) {
       for (std::size_t j = 0; j < faces.back()[i].size(); ++j) {
-        // Close together, so that they keep light from each other.
+        // Close together, so they block each other's light.
         Pose near = sample.poses[k];
         near.position *= 0.5;
         faces.back()[i][j] = near.apply(faces.back()[i][j]);

@@ -258,7 +258,7 @@ picture::GroundPlate shadowCatcher(const SampleBricks& sample, double height) {
 TEST(Painter, CastsAShadowOfTheProjectedArea) {
   // A box's shadow on the plane is the sum over lit faces of area * (light . normal) / light.z.
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.5);
-  sample.poses[0].position.z() = 30;  // far up, so that the brick does not hide its shadow
+  sample.poses[0].position.z() = 30;  // far up, so the brick does not hide its shadow
   picture::Style style = silhouette();
   style.plate = shadowCatcher(sample, 0);
   style.shadow = {0, 0, 0};
@@ -401,10 +401,10 @@ TEST(Painter, BricksThatAreNotOpaqueAtAllAreNotThere) {
   const picture::Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), picture::kIsometricView, 3);
   const picture::Frame frame =
       picture::Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 1, 0), camera);
-  picture::PictureItems alone{{sample.poses[0]}};
-  alone.colours = {picture::shadesOf({200, 40, 40})};
+  picture::PictureItems single{{sample.poses[0]}};
+  single.colours = {picture::shadesOf({200, 40, 40})};
   EXPECT_EQ(frame.pixels,
-            picture::Painter({200, 200}, {sample.bricks[0]}, style).paint(alone, camera).pixels);
+            picture::Painter({200, 200}, {sample.bricks[0]}, style).paint(single, camera).pixels);
 }
 
 TEST(Painter, TranslucentBricksOnATransparentPageKeepTheirOpacity) {
@@ -585,9 +585,8 @@ TEST(Painter, SharesAThreadWithAnother) {
   EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
 }
 
-/// What picture_hash prints under these settings of the environment.
-/// Only where bricks may be is anything drawn and read: a plate that looks like the background
-/// makes that everywhere.
+/// What picture_hash prints under these settings of the environment. Only where bricks may be is
+/// anything drawn and read: a plate with the colour of the background makes that everywhere.
 TEST(Painter, LeavesOutNothingThatBricksTouch) {
   const SampleBricks sample = tumbledBricks();
   picture::Style bare;
@@ -633,11 +632,11 @@ std::string hashUnder(const std::string& environment, const std::string& library
 }
 
 TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
-  const std::string alone = hashUnder("LP_NUM_THREADS=0");
-  ASSERT_EQ(alone.size(), 17U);  // 16 digits and the line's end
-  EXPECT_EQ(hashUnder("LP_NUM_THREADS=0"), alone);
-  EXPECT_EQ(hashUnder("LP_NUM_THREADS=2"), alone);
-  EXPECT_EQ(hashUnder("LP_NATIVE_VECTOR_WIDTH=128"), alone);
+  const std::string hash = hashUnder("LP_NUM_THREADS=0");
+  ASSERT_EQ(hash.size(), 17U);  // 16 digits and the line's end
+  EXPECT_EQ(hashUnder("LP_NUM_THREADS=0"), hash);
+  EXPECT_EQ(hashUnder("LP_NUM_THREADS=2"), hash);
+  EXPECT_EQ(hashUnder("LP_NATIVE_VECTOR_WIDTH=128"), hash);
 }
 
 TEST(Painter, PaintsTheSameBytesThroughEgl) {

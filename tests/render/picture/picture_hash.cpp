@@ -1,5 +1,5 @@
-/// Prints a hash of a picture, so that a test can compare processes with different environments.
-/// Use: picture_hash [egl]
+/// Prints a hash of a picture, for a test that compares processes with different environments. Use:
+/// picture_hash [egl]
 #include <cstdint>
 #include <cstdio>
 #include <string_view>

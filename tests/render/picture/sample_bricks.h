@@ -13,7 +13,7 @@ inline model::Tile rectangleTile(double x, double y, double width, double depth)
            Vector3(x, y + depth, 0)}};
 }
 
-/// Bricks and where they stand.
+/// Bricks and their poses.
 struct SampleBricks {
   std::vector<model::Brick> bricks;
   Poses poses;
@@ -27,7 +27,7 @@ inline SampleBricks sampleBricks(const std::vector<model::Tile>& tiles, double t
   return sample;
 }
 
-/// Twelve bricks, each turned another way: every kind of face and overlap is in sight.
+/// Twelve bricks, each with another rotation: every kind of face and overlap is visible.
 inline SampleBricks tumbledBricks() {
   std::vector<model::Tile> tiles;
   for (int k = 0; k < 12; ++k) tiles.push_back(rectangleTile(1.2 * (k % 4), 1.2 * (k / 4), 1, 1));

@@ -46,7 +46,7 @@ TEST(ScaleDrawer, DrawsABarOfTheExactLength) {
 TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
   picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
   picture::FrameSurface surface(frame);
-  constexpr int kRow = 10;  // of the bar, which stands above its ticks
+  constexpr int kRow = 10;  // of the bar, above its ticks
   picture::ColourScale scale;
   scale.title = "gap, m";
   picture::ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);

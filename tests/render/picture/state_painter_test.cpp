@@ -216,7 +216,7 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
     look.camera.orthographic = isParallel;
     const picture::FrameSize size{160, 120};
     picture::PictureContent content = tessellationContent();
-    // The target is the start, moved beside it.
+    // The target is the start, displaced.
     content.target = model::makeTessellation({}).tiles;
     for (model::Tile& tile : *content.target) {
       for (Vector3& vertex : tile.vertices) vertex += Vector3(2.5, 0.5, 0.25);
@@ -344,7 +344,7 @@ TEST(StatePainter, PutsABarOfColoursUnderPicturesThatNeedIt) {
   EXPECT_EQ(plain.paint(state).pixels, asked.paint(state).pixels);
 }
 
-// The shadow reaches farther than the bricks, and is in sight all the same.
+// The shadow is larger than the bricks, and is still visible as a whole.
 TEST(StatePainter, HoldsTheShadowInSight) {
   picture::Look look;
   look.ground = picture::GroundLook::Shadow;

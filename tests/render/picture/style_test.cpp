@@ -7,7 +7,7 @@
 namespace kirireel {
 namespace {
 
-/// One key light from straight above, so that brightness is known by hand.
+/// One key light from directly above, with a brightness that can be computed by hand.
 picture::Style plainStyle() {
   picture::Style style;
   style.ambient = 0.5;

@@ -49,7 +49,7 @@ double lumaOf(const std::array<double, 3>& colour) {
   return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
 }
 
-/// The mean of the pixels that a coloured sample stands for.
+/// The mean of the pixels that a colour sample represents.
 std::array<double, 3> filtered(const picture::Frame& frame, int x, int y) {
   std::array<double, 3> mean = {};
   for (int row = 0; row < 2; ++row) {

@@ -64,8 +64,8 @@ void writeDiskVideo(const std::filesystem::path& path, int frames) {
   writer.finish();
 }
 
-/// Decodes one frame with the ffmpeg program and turns its planes into colours by the formulas of
-/// BT.709, limited range, so that neither libswscale nor its tables judge themselves.
+/// Decodes one frame with the ffmpeg program and converts its planes to colours by the formulas of
+/// BT.709, limited range. This check does not use libswscale or its tables.
 class DecodedFrame {
  public:
   DecodedFrame(const std::filesystem::path& video, int index, picture::FrameSize size)
@@ -103,25 +103,25 @@ double psnr(const DecodedFrame& decoded, const picture::Frame& source) {
   for (int y = 0; y < source.size.height; ++y) {
     for (int x = 0; x < source.size.width; ++x) {
       const std::array<double, 3> colour = decoded.at(x, y);
-      const picture::Colour wanted = source.at(x, y);
-      sum += std::pow(colour[0] - wanted.red, 2) + std::pow(colour[1] - wanted.green, 2) +
-             std::pow(colour[2] - wanted.blue, 2);
+      const picture::Colour expected = source.at(x, y);
+      sum += std::pow(colour[0] - expected.red, 2) + std::pow(colour[1] - expected.green, 2) +
+             std::pow(colour[2] - expected.blue, 2);
     }
   }
   const double meanSquare = sum / (3.0 * source.size.width * source.size.height);
   return 10 * std::log10(255 * 255 / meanSquare);
 }
 
-void expectColour(const DecodedFrame& decoded, int x, int y, picture::Colour wanted,
+void expectColour(const DecodedFrame& decoded, int x, int y, picture::Colour expected,
                   double tolerance) {
   const std::array<double, 3> colour = decoded.at(x, y);
-  EXPECT_NEAR(colour[0], wanted.red, tolerance);
-  EXPECT_NEAR(colour[1], wanted.green, tolerance);
-  EXPECT_NEAR(colour[2], wanted.blue, tolerance);
+  EXPECT_NEAR(colour[0], expected.red, tolerance);
+  EXPECT_NEAR(colour[1], expected.green, tolerance);
+  EXPECT_NEAR(colour[2], expected.blue, tolerance);
 }
 
 TEST(Video, IsWhatFfprobeSaysItIs) {
-  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   const TemporaryFolder folder;
   writeDiskVideo(folder / "disk.mp4", 25);
   const std::string stream =
@@ -156,7 +156,7 @@ void writeStripes(const std::filesystem::path& path) {
 }
 
 TEST(Video, KeepsFlatColours) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to check videos with its decoder";
   for (const char* name : {"flat.mp4", "flat.webm"}) {
     const TemporaryFolder folder;
     writeStripes(folder / name);
@@ -170,7 +170,7 @@ TEST(Video, KeepsFlatColours) {
 }
 
 TEST(Video, KeepsFlatColoursExactlyWithoutChroma) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to check videos with its decoder";
   for (const char* name : {"flat.gif", "flat.apng", "flat.mkv"}) {
     const TemporaryFolder folder;
     writeStripes(folder / name);
@@ -188,7 +188,7 @@ TEST(Video, KeepsFlatColoursExactlyWithoutChroma) {
 }
 
 TEST(Video, OtherFormatsAreWhatFfprobeSaysTheyAre) {
-  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   const TemporaryFolder folder;
   const std::vector<std::pair<const char*, std::vector<const char*>>> expected = {
       {"disk.webm",
@@ -208,7 +208,7 @@ TEST(Video, OtherFormatsAreWhatFfprobeSaysTheyAre) {
 }
 
 TEST(Video, MatchesItsLastFrame) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to check videos with its decoder";
   const TemporaryFolder folder;
   writeDiskVideo(folder / "disk.mp4", 25);
   const DecodedFrame decoded(folder / "disk.mp4", 24, kVideoSize);
@@ -218,7 +218,7 @@ TEST(Video, MatchesItsLastFrame) {
 }
 
 TEST(Video, ShowsWhiteThroughTransparency) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to check videos with its decoder";
   picture::Frame frame = picture::makeFrame(kVideoSize, {0, 0, 0, 0});
   fill(frame, 0, 0, 160, 180, {200, 40, 80, 128});
   const TemporaryFolder folder;
@@ -233,7 +233,7 @@ TEST(Video, ShowsWhiteThroughTransparency) {
 
 /// Second method: ffmpeg's decoders. VP9's alpha needs the one of libvpx.
 TEST(Video, KeepsAlphaInFormatsThatHaveIt) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to check videos with its decoder";
   picture::Frame frame = picture::makeFrame(kVideoSize, {255, 255, 255, 0});
   fill(frame, 0, 0, 160, 180, {200, 40, 80, 255});
   const TemporaryFolder folder;
@@ -282,8 +282,8 @@ TEST(Video, StartsWithItsIndex) {
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
 }
 
-/// The bytes of a video that is encoded while new memory is filled with a pattern, so that an
-/// encoder which reads what nobody set shows it.
+/// The bytes of a video that is encoded while new memory is filled with a pattern. They change if
+/// the encoder reads uninitialised memory.
 std::string bytesWithMemoryOf(int pattern, picture::FrameSize size, const std::string& preset) {
   const TemporaryFolder folder;
   ::mallopt(M_PERTURB, pattern);
@@ -309,7 +309,7 @@ TEST(Video, HasTheSameBytesInTwoRuns) {
 }
 
 TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
-  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   for (const int count : {1, 4, 5, 6, 8, 20, 300}) {
     const TemporaryFolder folder;
     const pid_t child = ::fork();

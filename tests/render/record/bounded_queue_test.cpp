@@ -19,9 +19,9 @@ TEST(BoundedQueue, GivesEverythingInOrder) {
   });
   std::vector<int> taken;
   while (const std::optional<int> value = queue.pop()) taken.push_back(*value);
-  std::vector<int> wanted(1000);
-  std::iota(wanted.begin(), wanted.end(), 0);
-  EXPECT_EQ(taken, wanted);
+  std::vector<int> expected(1000);
+  std::iota(expected.begin(), expected.end(), 0);
+  EXPECT_EQ(taken, expected);
 }
 
 TEST(BoundedQueue, BreaksThePromisesThatItHoldsWhenItIsStopped) {

@@ -106,9 +106,9 @@ Eigen::Vector2d placeOf(const std::string& letter, const std::string& svg) {
 TEST_F(FigurePageTest, HasPicturesAndPlotsWithLetters) {
   record::FigurePanel titled = pictures("large");
   titled.title = "A large sheet";
-  record::FigurePage wanted = page({{pictures("small", 3)}, {titled, plot("radius")}});
-  wanted.files = {"page.svg", "page.pdf", "page.png"};
-  const std::string svg = svgOf(wanted);
+  record::FigurePage figure = page({{pictures("small", 3)}, {titled, plot("radius")}});
+  figure.files = {"page.svg", "page.pdf", "page.png"};
+  const std::string svg = svgOf(figure);
   EXPECT_THAT(svg, HasSubstr("width=\"120.057mm\""));  // 709 pixels, the next above 708.7
   EXPECT_THAT(svg, HasSubstr("panel_1_picture_03"));
   EXPECT_THAT(svg, HasSubstr("panel_2_picture_02"));
@@ -130,9 +130,9 @@ TEST_F(FigurePageTest, SharesAndHeightsAreThoseOfThePanels) {
   record::FigurePanel wide = plot("radius");
   wide.share = 3;
   wide.height = 40;
-  record::FigurePage wanted = page({{pictures("small"), wide}});
-  wanted.rows[0][0].height = 20;
-  const std::string svg = svgOf(wanted);
+  record::FigurePage figure = page({{pictures("small"), wide}});
+  figure.rows[0][0].height = 20;
+  const std::string svg = svgOf(figure);
   EXPECT_EQ(placeOf("b", svg).x(), 188);  // floor(694 / 4) + 15
   // 1.6 em and 40 mm; the pictures are lower.
   EXPECT_NEAR(heightOf(svg), 40 / 25.4 * 150 + 1.6 * 15, 1);
@@ -147,19 +147,19 @@ TEST_F(FigurePageTest, PlotsFillTheHeightOfPictures) {
 
 TEST_F(FigurePageTest, EqualPagesHaveEqualBytes) {
   for (const char* file : {"page.svg", "page.pdf", "page.png"}) {
-    record::FigurePage wanted = page({{pictures("small"), plot("theta")}});
-    wanted.files = {file};
-    record::writeFigure(wanted);
+    record::FigurePage figure = page({{pictures("small"), plot("theta")}});
+    figure.files = {file};
+    record::writeFigure(figure);
     const std::string first = test::bytesOf(folder_ / file);
-    record::writeFigure(wanted);
+    record::writeFigure(figure);
     EXPECT_EQ(first, test::bytesOf(folder_ / file)) << file;
   }
 }
 
 TEST_F(FigurePageTest, PanelsHaveTheirOwnOutlines) {
-  record::FigurePage wanted = page({{pictures("small"), pictures("small")}});
-  wanted.rows[0][1].pictures.look.outlineColour = picture::Colour{255, 0, 0};
-  const std::string svg = svgOf(wanted);
+  record::FigurePage figure = page({{pictures("small"), pictures("small")}});
+  figure.rows[0][1].pictures.look.outlineColour = picture::Colour{255, 0, 0};
+  const std::string svg = svgOf(figure);
   EXPECT_THAT(svg, HasSubstr("#panel_1 .outline { fill: none; stroke: #263242"));
   EXPECT_THAT(svg, HasSubstr("#panel_2 .outline { fill: none; stroke: #ff0000"));
   EXPECT_THAT(svg, HasSubstr("#panel_1 .silhouette { stroke-width: 1.563"));  // 0.75 pt

@@ -32,32 +32,32 @@ class FigureTest : public testing::Test {
   }
 
   record::PictureSettings settings() const {
-    record::PictureSettings wanted;
-    wanted.folder = folder_.path() / "figure";
-    wanted.size = {160, 120};
-    wanted.grid.columns = 3;
-    wanted.video = false;
-    return wanted;
+    record::PictureSettings figure;
+    figure.folder = folder_.path() / "figure";
+    figure.size = {160, 120};
+    figure.grid.columns = 3;
+    figure.video = false;
+    return figure;
   }
 
   /// Frames of a video at real pace, as PNG files.
   record::PictureSettings framesIn(const std::string& folder) const {
-    record::PictureSettings wanted = settings();
-    wanted.folder = folder_.path() / folder;
-    wanted.size = {320, 200};
-    wanted.frames = true;
-    wanted.snapshots = false;
-    wanted.pace = record::Pace::Real;
-    wanted.framesPerSecond = 10;
-    return wanted;
+    record::PictureSettings figure = settings();
+    figure.folder = folder_.path() / folder;
+    figure.size = {320, 200};
+    figure.frames = true;
+    figure.snapshots = false;
+    figure.pace = record::Pace::Real;
+    figure.framesPerSecond = 10;
+    return figure;
   }
 
   /// The frames of a video as a single run has them, for a part of a frame of this height.
   record::PictureSettings partIn(const std::string& folder, int stripHeight) const {
-    record::PictureSettings wanted = framesIn(folder);
-    wanted.look.pixelsPerInch = picture::pixelsPerInchOf(wanted.size);
-    wanted.size = {160, 200 - stripHeight};
-    return wanted;
+    record::PictureSettings figure = framesIn(folder);
+    figure.look.pixelsPerInch = picture::pixelsPerInchOf(figure.size);
+    figure.size = {160, 200 - stripHeight};
+    return figure;
   }
 
   test::TemporaryFolder folder_;
@@ -69,10 +69,10 @@ class FigureTest : public testing::Test {
 TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
   const trajectory::TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&small, &large};
-  record::PictureSettings wanted = settings();
+  record::PictureSettings figure = settings();
   for (const bool sameScale : {true, false}) {
-    wanted.sameScale = sameScale;
-    const std::vector<record::PanelRow> rows = record::figureRows(runs, wanted);
+    figure.sameScale = sameScale;
+    const std::vector<record::PanelRow> rows = record::figureRows(runs, figure);
     ASSERT_EQ(rows.size(), 2);
     std::vector<double> scales;
     for (const record::PanelRow& row : rows) {
@@ -91,28 +91,28 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
 }
 
 TEST_F(FigureTest, LeavesPictureAndPages) {
-  record::PictureSettings wanted = settings();
-  wanted.gridWidth = 100;
-  wanted.fontPoints = 7;
-  wanted.dotsPerInch = 100;
-  wanted.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
-  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, wanted, proceed_);
-  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  record::PictureSettings figure = settings();
+  figure.gridWidth = 100;
+  figure.fontPoints = 7;
+  figure.dotsPerInch = 100;
+  figure.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
+  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, figure, proceed_);
+  const std::string svg = test::bytesOf(figure.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::HasSubstr(">large<"));
   EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
   EXPECT_THAT(svg, testing::HasSubstr("model small, large"));
-  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.png"));
-  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.pdf"));
+  EXPECT_TRUE(fs::exists(figure.folder / "snapshots.png"));
+  EXPECT_TRUE(fs::exists(figure.folder / "snapshots.pdf"));
 }
 
 TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
-  record::PictureSettings wanted = settings();
-  wanted.sameScale = true;
-  wanted.look.camera.orbit = 1;
+  record::PictureSettings figure = settings();
+  figure.sameScale = true;
+  figure.look.camera.orbit = 1;
   const trajectory::TrajectoryReader run(recorded("small", 2));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&run, &run};
   try {
-    record::figureRows(runs, wanted);
+    record::figureRows(runs, figure);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -123,14 +123,14 @@ TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
 
 /// Rows have their own heights: a sheet of 1 x 4 squares needs half of that of 2 x 4 and less.
 TEST_F(FigureTest, GivesRowsTheirOwnHeightsAndBoldLetters) {
-  record::PictureSettings wanted = settings();
-  wanted.gridWidth = 100;
-  wanted.fontPoints = 7;
-  wanted.dotsPerInch = 150;
-  wanted.letters = picture::PanelLetters::Small;
-  wanted.pages = {picture::PageFormat::Svg};
-  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, wanted, proceed_);
-  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  record::PictureSettings figure = settings();
+  figure.gridWidth = 100;
+  figure.fontPoints = 7;
+  figure.dotsPerInch = 150;
+  figure.letters = picture::PanelLetters::Small;
+  figure.pages = {picture::PageFormat::Svg};
+  record::renderSeveral({recorded("small", 2), recorded("large", 3)}, figure, proceed_);
+  const std::string svg = test::bytesOf(figure.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">a</text>"));
   EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">b</text>"));
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr(">c</text>")));

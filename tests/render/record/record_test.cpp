@@ -130,8 +130,8 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
   int samples = 0;
   const record::RunSummary summary =
       record::record(tessellationScene(), settings_, [&](const record::Progress& progress) {
-        const bool goesOn = std::string(progress.stage) != "deploying" || ++samples < 4;
-        return goesOn ? record::Interruption() : "the test";
+        const bool continues = std::string(progress.stage) != "deploying" || ++samples < 4;
+        return continues ? record::Interruption() : "the test";
       });
   EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
@@ -172,15 +172,15 @@ TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
   const record::RunSummary summary =
       record::record(tessellationScene(), settings_, [](const record::Progress& progress) {
-        const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
-        return goesOn ? record::Interruption() : "the test";
+        const bool continues = std::string(progress.stage) == "deploying" || progress.share < 0.3;
+        return continues ? record::Interruption() : "the test";
       });
   EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test while painting; the video ends at 0.1 s");
   EXPECT_EQ(summary.videoFrames, 3);
 }
 
-TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
+TEST_F(RecordTest, RefusesAnImpossibleStyleBeforeDeploying) {
   settings_.look.camera.keys = {{1, {}, 1}, {0, {}, 1}};
   int calls = 0;
   EXPECT_THROW(record::record(tessellationScene(), settings_,
@@ -192,7 +192,7 @@ TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
   EXPECT_EQ(calls, 0);
 }
 
-TEST_F(RecordTest, SaysInTheSummaryHowItLooks) {
+TEST_F(RecordTest, WritesItsStyleToTheSummary) {
   settings_.look.colouring = picture::Colouring::State;
   settings_.video = settings_.meshes = false;
   const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);

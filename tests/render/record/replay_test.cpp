@@ -56,8 +56,8 @@ TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
     const trajectory::Sample sample = states.at(time);
     EXPECT_NEAR(sample.time, time, 1e-12);
     EXPECT_NEAR(sample.poses[0].position.x(), time, 1e-12);  // measured: 1.1e-16
-    const Quaternion wanted = rotationFromVector({0, 0, time});
-    EXPECT_NEAR(sample.poses[0].rotation.angularDistance(wanted), 0, 1e-7);  // measured: 2e-8
+    const Quaternion expected = rotationFromVector({0, 0, time});
+    EXPECT_NEAR(sample.poses[0].rotation.angularDistance(expected), 0, 1e-7);  // measured: 2e-8
   }
 }
 

@@ -27,7 +27,7 @@ TEST(LineOfSight, SeesThreeFacesOfACube) {
   }
   const report::LineOfSight sight(tiles, Vector3(1, 1.5, 2).normalized());
   for (std::size_t k = 0; k < tiles.size(); ++k) {
-    EXPECT_EQ(sight.isClear(model::tileCentroid(tiles[k]), k), k % 2 == 1) << k;
+    EXPECT_EQ(sight.isVisible(model::tileCentroid(tiles[k]), k), k % 2 == 1) << k;
   }
 }
 
@@ -36,7 +36,7 @@ TEST(LineOfSight, NothingHidesTilesOfAFlatSheet) {
   const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
                                           squareFacing({0, 0, 1}, {2, 0, 0})};
   for (const Vector3& eye : {Vector3(0, 0, 1), Vector3(0, 0.6, 0.8), Vector3(1, 0, 0)}) {
-    EXPECT_TRUE(report::LineOfSight(tiles, eye).isClear({0, 0, 0}, 0)) << eye.transpose();
+    EXPECT_TRUE(report::LineOfSight(tiles, eye).isVisible({0, 0, 0}, 0)) << eye.transpose();
   }
 }
 
@@ -44,9 +44,9 @@ TEST(LineOfSight, EndsAtTheBoundaryOfATile) {
   const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
                                           squareFacing({0, 0, -1}, {1, 0, 5})};
   const report::LineOfSight sight(tiles, {0, 0, 1});
-  EXPECT_TRUE(sight.isClear({-0.01, 0, 0}, 0));
-  EXPECT_FALSE(sight.isClear({0.01, 0, 0}, 0));
-  EXPECT_TRUE(sight.isClear({1, 0, 5}, 1));  // the other is behind
+  EXPECT_TRUE(sight.isVisible({-0.01, 0, 0}, 0));
+  EXPECT_FALSE(sight.isVisible({0.01, 0, 0}, 0));
+  EXPECT_TRUE(sight.isVisible({1, 0, 5}, 1));  // the other is behind
 }
 
 }  // namespace

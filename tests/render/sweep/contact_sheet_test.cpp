@@ -36,7 +36,7 @@ TEST(ContactLayout, OfTooManyChoosesWholeSeries) {
 
 class ContactSheet : public testing::Test {
  protected:
-  /// A brick that stands on its edge, so that its thickness is in sight from above.
+  /// A brick on its edge. Its thickness is visible from above.
   sweep::ContactPicture upright(double thickness, const std::string& value) const {
     std::ofstream(file()) << "0 0 0 1 0 0 1 0 1 0 0 1\n";
     return {file(), thickness, {value}};

@@ -49,7 +49,7 @@ TEST_F(RunFolderTest, LeftoversOfAKilledRunAreCleared) {
   EXPECT_FALSE(std::filesystem::exists(claim->folder() / "half.txt"));
 }
 
-TEST_F(RunFolderTest, ClearedRunLeavesItsRecordAlone) {
+TEST_F(RunFolderTest, ClearedRunKeepsItsRecord) {
   std::optional<sweep::RunClaim> claim = take();
   std::ofstream(claim->folder() / "half.txt") << "half";
   claim->clear();

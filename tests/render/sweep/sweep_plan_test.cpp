@@ -69,7 +69,7 @@ TEST(LatinHypercube, HasOneValueInEachPartOfEachRange) {
   EXPECT_EQ(partsOfB.size(), 50U);
 }
 
-TEST(LatinHypercube, DependsOnItsSeedAlone) {
+TEST(LatinHypercube, DependsOnlyOnItsSeed) {
   const auto first = [](std::uint64_t seed) {
     return texts(sweep::SweepPlan::latinHypercube({{"a", {}, {0, 1, false, false}}}, 3, seed), 0);
   };

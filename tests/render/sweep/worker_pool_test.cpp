@@ -53,7 +53,7 @@ TEST(WorkerPool, DoesEveryJobOnce) {
   EXPECT_THAT(pool.verdicts, ElementsAre(Pair(sweep::Verdict::Done, 100)));
 }
 
-TEST(WorkerPool, CrashLosesItsOwnJobAlone) {
+TEST(WorkerPool, CrashLosesOnlyItsOwnJob) {
   PoolRun pool;
   EXPECT_TRUE(pool.run(20, [](std::uint64_t job) {
     if (job == 3) ::_exit(7);

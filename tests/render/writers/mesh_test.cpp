@@ -129,7 +129,7 @@ std::vector<int> piecesOf(const Surface& surface) {
 }
 
 /// Volumes of the connected pieces by the divergence theorem; positive when outward. Distances are
-/// taken from each piece's own first vertex, so that far pieces lose no digits.
+/// from each piece's own first vertex, so far pieces lose no digits.
 std::vector<double> volumesOf(const Surface& surface) {
   const std::vector<int> pieces = piecesOf(surface);
   std::map<int, Vector3> origins;
@@ -154,7 +154,7 @@ struct Layout {
   Poses poses;
 };
 
-/// Moves bricks so that no coordinate is round.
+/// Moves bricks, so no coordinate is a round number.
 void turnInSpace(Poses& poses) {
   const Pose turn{{10, -3, 1e-5}, rotationFromVector({0.3, -0.8, 1.7})};
   for (Pose& pose : poses) pose = {turn.apply(pose.position), turn.rotation * pose.rotation};
@@ -267,7 +267,7 @@ TEST(ShippedMeshes, AreClosedOutwardAndExact) {
 TEST(PublishedMeshes, AreClosedOutwardAndExact) {
   const auto folders =
       modelsIn(std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models");
-  if (folders.empty()) GTEST_SKIP() << "no shared/models beside the repository";
+  if (folders.empty()) GTEST_SKIP() << "no shared/models next to the repository";
   // Some of their tiles are not quite flat. Measured: 2.3e-3.
   for (const std::filesystem::path& folder : folders) expectExactMeshes(folder, 4e-3);
 }
@@ -327,9 +327,9 @@ FloatPoints floatCorners(const Layout& layout) {
 }
 
 /// assimp reads single precision, and the last bit of it not quite. Measured: 9.5e-7.
-void expectNear(const FloatPoints& read, const FloatPoints& wanted) {
-  ASSERT_EQ(read.size(), wanted.size());
-  for (auto r = read.begin(), w = wanted.begin(); r != read.end(); ++r, ++w) {
+void expectNear(const FloatPoints& read, const FloatPoints& expected) {
+  ASSERT_EQ(read.size(), expected.size());
+  for (auto r = read.begin(), w = expected.begin(); r != read.end(); ++r, ++w) {
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR((*r)[axis], (*w)[axis], 2e-6);
   }
 }

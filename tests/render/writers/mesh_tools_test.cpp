@@ -1,4 +1,4 @@
-// Other people's programs as judges of meshes: skipped where they are not installed.
+// Checks meshes with other programs. Skipped if they are not installed.
 #include <gtest/gtest.h>
 
 #include "render/writers/mesh.h"
@@ -25,7 +25,7 @@ std::string judgement(const std::string& command, const std::string& name) {
 }
 
 TEST(MeshTools, AssimpCountsMeshesAndFaces) {
-  if (!test::hasProgram("assimp")) GTEST_SKIP() << "install assimp-utils to judge meshes by it";
+  if (!test::hasProgram("assimp")) GTEST_SKIP() << "install assimp-utils to check meshes with it";
   const std::string obj = judgement("assimp info", "state.obj");
   EXPECT_EQ(numberAfter(obj, "Meshes:"), 4);
   EXPECT_EQ(numberAfter(obj, "Faces:"), 48);
@@ -35,7 +35,7 @@ TEST(MeshTools, AssimpCountsMeshesAndFaces) {
 }
 
 TEST(MeshTools, AdmeshFindsFourSoundParts) {
-  if (!test::hasProgram("admesh")) GTEST_SKIP() << "install admesh to judge STL files by it";
+  if (!test::hasProgram("admesh")) GTEST_SKIP() << "install admesh to check STL files with it";
   const std::string report = judgement("admesh", "state.stl");
   EXPECT_EQ(numberAfter(report, "Number of parts       :"), 4) << report;
   EXPECT_EQ(numberAfter(report, "Number of facets                 :"), 48);
@@ -46,7 +46,7 @@ TEST(MeshTools, AdmeshFindsFourSoundParts) {
 TEST(MeshTools, GltfValidatorFindsNothingInTheAnimation) {
   const std::string node = "NODE_PATH=$(npm root -g) node -e \"const v=require('gltf-validator');";
   if (test::outputOf(node + "console.log(1)\"").empty()) {
-    GTEST_SKIP() << "install gltf-validator (npm install -g gltf-validator) to judge animations";
+    GTEST_SKIP() << "install gltf-validator (npm install -g gltf-validator) to check animations";
   }
   const model::Model model = model::makeTessellation(test::squares(10, 10, 0.5));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);

@@ -67,16 +67,16 @@ void expectSameSheet(const model::Model& read, const model::Model& drawn, const 
   for (const model::Tile& tile : read.tiles) corners += tile.vertices.size();
   EXPECT_EQ(found.size(), corners) << what;
   EXPECT_FALSE(found.contains({-1, -1})) << what;
-  std::set<CornerPair> wanted, got;
+  std::set<CornerPair> expected, got;
   for (const model::Joint& joint : drawn.joints) {
-    wanted.insert(sorted(cornerLike(drawn, joint.a, read.tiles, moved, tolerance),
-                         cornerLike(drawn, joint.b, read.tiles, moved, tolerance)));
+    expected.insert(sorted(cornerLike(drawn, joint.a, read.tiles, moved, tolerance),
+                           cornerLike(drawn, joint.b, read.tiles, moved, tolerance)));
   }
   for (const model::Joint& joint : read.joints) {
     EXPECT_EQ(joint.face, model::JointFace::Both);
     got.insert(sorted({joint.a.tile, joint.a.vertex}, {joint.b.tile, joint.b.vertex}));
   }
-  EXPECT_EQ(got, wanted) << what;
+  EXPECT_EQ(got, expected) << what;
 }
 
 double leastEdge(const model::Model& model) {

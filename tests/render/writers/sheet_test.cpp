@@ -50,7 +50,7 @@ std::vector<model::Tile> readAsPyKirigamiDoes(const std::string& text) {
   return tiles;
 }
 
-/// Whichever way a sheet faces, its plane has it face up, and turned back it lies where it lay.
+/// In the plane of a sheet the sheet faces up, for any initial side. Rotated back it is unchanged.
 TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
   const model::Model flat = model::makeTessellation(shapeOf(3, 2, 0.4));
   for (const Vector3& turn :

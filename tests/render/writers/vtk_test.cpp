@@ -73,8 +73,8 @@ TEST(Vtu, HoldsEveryCornerToTheLastBit) {
   for (std::size_t t = 0; t < 3; ++t) {
     for (const auto* face : {&state.subject.bricks[t].bottom, &state.subject.bricks[t].top}) {
       for (const Vector3& corner : *face) {
-        const Vector3 wanted = state.sample.poses[t].apply(corner);
-        EXPECT_EQ(Vector3(points[next], points[next + 1], points[next + 2]), wanted);
+        const Vector3 expected = state.sample.poses[t].apply(corner);
+        EXPECT_EQ(Vector3(points[next], points[next + 1], points[next + 2]), expected);
         next += 3;
       }
     }
@@ -112,7 +112,7 @@ TEST(Vtu, LeavesOutWhatIsNotThere) {
 TEST(Vtu, IsReadByVtk) {
   const std::string python = "/usr/bin/python3";
   if (test::outputOf(python + " -c 'import vtkmodules.vtkIOXML; print(1)'").empty()) {
-    GTEST_SKIP() << "install python3-vtk9 to judge VTK files by it";
+    GTEST_SKIP() << "install python3-vtk9 to check VTK files with it";
   }
   const test::TemporaryFolder folder;
   const State state;

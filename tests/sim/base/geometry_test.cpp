@@ -12,8 +12,8 @@ TEST(RotationFromVector, TurnsAboutTheVectorByItsLength) {
   for (const double angle : {1e-12, 1e-6, 0.99e-4, 1.01e-4, 0.5, 3.0, 6.0}) {
     const Vector3 axis = Vector3(1, -2, 2) / 3;
     const Quaternion found = rotationFromVector(angle * axis);
-    const Quaternion wanted(Eigen::AngleAxisd(angle, axis));
-    EXPECT_LT((found.coeffs() - wanted.coeffs()).norm(), 1e-15) << angle;  // measured 2e-16
+    const Quaternion expected(Eigen::AngleAxisd(angle, axis));
+    EXPECT_LT((found.coeffs() - expected.coeffs()).norm(), 1e-15) << angle;  // measured 2e-16
     EXPECT_NEAR(found.norm(), 1, 1e-15);
   }
   EXPECT_EQ(rotationFromVector(Vector3::Zero()).coeffs(), Quaternion::Identity().coeffs());
@@ -43,7 +43,7 @@ TEST(EigenOf, FindsThoseOfTheSecondDifference) {
 }
 
 /// The matrix of the first difference, n x (n + 1): times its transpose it is the second
-/// difference, so that its singular values are 2 sin(pi k / (2 (n + 1))).
+/// difference. Its singular values are therefore 2 sin(pi k / (2 (n + 1))).
 TEST(SingularValuesOf, FindsThoseOfTheFirstDifference) {
   for (const int n : {1, 2, 6, 40}) {
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n + 1);
@@ -55,8 +55,8 @@ TEST(SingularValuesOf, FindsThoseOfTheFirstDifference) {
       const Eigen::VectorXd found = singularValuesOf(each);
       ASSERT_EQ(found.size(), n);
       for (int k = 0; k < n; ++k) {
-        const double wanted = 2 * std::sin(std::numbers::pi * (n - k) / (2 * (n + 1)));
-        EXPECT_NEAR(found[k], wanted, 2e-14) << n;  // measured: 3.4e-15
+        const double expected = 2 * std::sin(std::numbers::pi * (n - k) / (2 * (n + 1)));
+        EXPECT_NEAR(found[k], expected, 2e-14) << n;  // measured: 3.4e-15
       }
     }
   }
@@ -73,13 +73,13 @@ TEST(SingularValuesOf, LeavesZerosWhereRowsDependOnEachOther) {
   EXPECT_GE(found[2], 0);
 }
 
-TEST(WithoutNegativePart, KeepsThePositivePartAlone) {
-  // Turned axes, so that no entry is a stretch itself.
+TEST(WithoutNegativePart, KeepsOnlyThePositivePart) {
+  // Rotated axes, so no entry is a stretch itself.
   const Matrix3 axes = rotationFromVector({0.3, -0.4, 0.5}).toRotationMatrix();
   const Matrix3 matrix = axes * Vector3(2, -3, 0.5).asDiagonal() * axes.transpose();
-  const Matrix3 wanted = axes * Vector3(2, 0, 0.5).asDiagonal() * axes.transpose();
-  EXPECT_LT((withoutNegativePart(matrix) - wanted).norm(), 2e-14);  // measured: 3.5e-15
-  EXPECT_LT((withoutNegativePart(wanted) - wanted).norm(), 2e-14);  // measured: 8.8e-16
+  const Matrix3 expected = axes * Vector3(2, 0, 0.5).asDiagonal() * axes.transpose();
+  EXPECT_LT((withoutNegativePart(matrix) - expected).norm(), 2e-14);    // measured: 3.5e-15
+  EXPECT_LT((withoutNegativePart(expected) - expected).norm(), 2e-14);  // measured: 8.8e-16
   EXPECT_EQ(withoutNegativePart(-Matrix3::Identity()), Eigen::MatrixXd::Zero(3, 3));
 }
 

@@ -53,7 +53,7 @@ TEST(InputRecord, NotesWhatIsReadWhileItLives) {
   EXPECT_THAT(shortNotes(inner), ElementsAre("b.txt 3e23"));
 }
 
-TEST(InputRecord, IsItsThreadsAlone) {
+TEST(InputRecord, IsPerThread) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "a.txt") << "a";
   std::vector<InputFile> files;

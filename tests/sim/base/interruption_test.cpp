@@ -9,9 +9,9 @@
 namespace kirireel {
 namespace {
 
-/// Looks for 30 ms of CPU time, in which two checks are called at least: at most 10 ms pass between
-/// two. Returns how long that took, milliseconds.
-double lookForLong() {
+/// Checks for 30 ms of CPU time, in which two checks are called at least: at most 10 ms pass
+/// between two. Returns how long that took, milliseconds.
+double checkFor30Milliseconds() {
   const auto start = std::chrono::steady_clock::now();
   const double end = threadCpuSeconds() + 0.03;
   while (threadCpuSeconds() < end) checkInterruption();
@@ -20,7 +20,7 @@ double lookForLong() {
 }
 
 TEST(Interruption, NobodyIsAskedOutsideOfScopes) {
-  EXPECT_NO_THROW(lookForLong());
+  EXPECT_NO_THROW(checkFor30Milliseconds());
 }
 
 TEST(Interruption, ScopesAreAskedFromTheOutermostOn) {
@@ -28,25 +28,25 @@ TEST(Interruption, ScopesAreAskedFromTheOutermostOn) {
   const InterruptionScope outer([&] { asked += 'a'; });
   {
     const InterruptionScope inner([&] { asked += 'b'; });
-    lookForLong();
+    checkFor30Milliseconds();
     EXPECT_EQ(asked.substr(0, 4), "abab");
   }
   asked.clear();
-  lookForLong();
+  checkFor30Milliseconds();
   EXPECT_EQ(asked.substr(0, 2), "aa");
 }
 
 TEST(Interruption, AsksSeldomEnoughForLoopsOfAnySpeed) {
   int asked = 0;
   const InterruptionScope scope([&] { ++asked; });
-  const double passed = lookForLong();
+  const double passed = checkFor30Milliseconds();
   EXPECT_GE(asked, 2);
   EXPECT_LE(asked, passed / 10 + 1);
 }
 
 TEST(Interruption, ThrowsWhatTheCheckThrows) {
   const InterruptionScope scope([] { throw Interrupted(); });
-  EXPECT_THROW(lookForLong(), Interrupted);
+  EXPECT_THROW(checkFor30Milliseconds(), Interrupted);
 }
 
 TEST(Interruption, ReachesThreadsThatItIsCarriedTo) {
@@ -55,7 +55,7 @@ TEST(Interruption, ReachesThreadsThatItIsCarriedTo) {
   std::thread([&isEnded, checks = presentChecks()] {
     const InterruptionScope carried(checks);
     try {
-      lookForLong();
+      checkFor30Milliseconds();
     } catch (const Interrupted&) {
       isEnded = true;
     }

@@ -29,18 +29,18 @@ struct Found {
   double overlap = 0;
 };
 
-Found look(contacts::ContactFinder& finder, const Poses& start, const Poses& end) {
+Found findContacts(contacts::ContactFinder& finder, const Poses& start, const Poses& end) {
   Found found;
   finder.startStep(start);
   found.overlap = finder.appendViolated(end, found.contacts);
   return found;
 }
 
-Found look(const std::vector<model::Brick>& bricks, const Poses& start, const Poses& end,
-           bool planar = false) {
+Found findContacts(const std::vector<model::Brick>& bricks, const Poses& start, const Poses& end,
+                   bool planar = false) {
   contacts::ContactFinder finder(bricks, start, {}, around(scene::ContactFilter::All), planar,
                                  kTolerance);
-  return look(finder, start, end);
+  return findContacts(finder, start, end);
 }
 
 Pose at(double x, double y, double z) {
@@ -48,20 +48,21 @@ Pose at(double x, double y, double z) {
 }
 
 TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
-  // Bricks that come near each other in one of two finders alone.
+  // Bricks that come near each other in only one of two finders.
   const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Poses far = {at(0, 0, 0), at(50, 0, 0)};
   const scene::Environment environment = around(scene::ContactFilter::All);
   contacts::ContactFinder near(bricks, far, {}, environment, false, kTolerance);
   contacts::ContactFinder other(bricks, far, {}, environment, false, kTolerance);
-  look(other, far, far);
-  const Found found = look(near, {at(0, 0, 0), at(1.01, 0.2, 0)}, {at(0, 0, 0), at(0.96, 0.2, 0)});
+  findContacts(other, far, far);
+  const Found found =
+      findContacts(near, {at(0, 0, 0), at(1.01, 0.2, 0)}, {at(0, 0, 0), at(0.96, 0.2, 0)});
   ASSERT_FALSE(found.contacts.empty());
   EXPECT_FALSE(other.isCurrent(found.contacts.front()));
 }
 
 TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
-  // Flat through flat, and side through side, whatever way they lie in the world.
+  // Flat through flat, and side through side, for any rotation in the world.
   Chance chance(1);
   const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Pose besides = at(1.01, 0.2, 0), above = at(0.3, 0.2, 0.01);
@@ -73,7 +74,7 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
       Pose to = from;
       to.position += move;
       const Poses end = {start[0], moved(world, to)};
-      const Found found = look(bricks, start, end);
+      const Found found = findContacts(bricks, start, end);
       EXPECT_FALSE(found.contacts.empty());
       EXPECT_GT(found.overlap, 0.03);
       // Every contact still held at the start; one at least is violated at the end.
@@ -88,7 +89,7 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
 }
 
 TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
-  // Random moves of random pairs; the second method looks at 100 poses on the way.
+  // Random moves of random pairs; the second method checks 100 poses between.
   Chance chance(2);
   int met = 0;
   for (int trial = 0; trial < 400; ++trial) {
@@ -98,13 +99,13 @@ TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
     if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
     const Vector3 move = 0.5 * chance.vector();
     double deepest = 0;
-    Poses way = start;
+    Poses between = start;
     for (int part = 1; part <= 100; ++part) {
-      way[1].position = start[1].position + part / 100.0 * move;
-      deepest = std::max(deepest, trajectory::deepestPenetration(bricks, way).depth);
+      between[1].position = start[1].position + part / 100.0 * move;
+      deepest = std::max(deepest, trajectory::deepestPenetration(bricks, between).depth);
     }
     if (deepest < 1e-5) continue;
-    EXPECT_FALSE(look(bricks, start, way).contacts.empty());
+    EXPECT_FALSE(findContacts(bricks, start, between).contacts.empty());
     ++met;
   }
   EXPECT_GT(met, 50);
@@ -142,14 +143,14 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
     fallen.position.z() -= 0.01;
     std::vector<Vector3> lower = bricks[0].bottom, upper;
     for (const Vector3& point : bricks[1].bottom) upper.push_back(above.apply(point));
-    const std::vector<Vector3> wanted = overlapOf(upper, lower);
+    const std::vector<Vector3> expected = overlapOf(upper, lower);
     const Poses start = {world, moved(world, above)}, end = {world, moved(world, fallen)};
-    const Found found = look(bricks, start, end);
-    if (wanted.size() < 3) {
+    const Found found = findContacts(bricks, start, end);
+    if (expected.size() < 3) {
       EXPECT_TRUE(found.contacts.empty());
       continue;
     }
-    ASSERT_EQ(found.contacts.size(), wanted.size());
+    ASSERT_EQ(found.contacts.size(), expected.size());
     for (const model::Contact& contact : found.contacts) {
       EXPECT_TRUE(contact.isRegion);
       crossings += contact.isEdge ? 1 : 0;
@@ -157,7 +158,7 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
       const Vector3 point =
           world.rotation.conjugate() * (model::contactPoints(contact, start).onA - world.position);
       double nearest = 1;
-      for (const Vector3& corner : wanted) {
+      for (const Vector3& corner : expected) {
         nearest = std::min(nearest, (corner - point).head<2>().norm());
       }
       EXPECT_LT(nearest, 1e-12);
@@ -166,7 +167,7 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
   EXPECT_GT(crossings, 100);
 }
 
-TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
+TEST(ContactFinder, GivesNoContactsForSeparateBricks) {
   Chance chance(3);
   int near = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -176,7 +177,7 @@ TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
     // Moved by less than they are apart along some plane: the same plane still parts them.
     Poses end = start;
     end[1].position += 1e-6 * chance.vector();
-    const Found found = look(bricks, start, end);
+    const Found found = findContacts(bricks, start, end);
     EXPECT_TRUE(found.contacts.empty());
     EXPECT_EQ(found.overlap, 0);
     ++near;
@@ -212,7 +213,7 @@ struct JoinedPair {
   Found turn(double from, double to, bool planar) const {
     contacts::ContactFinder finder(bricks, opened(0), pivots, around(scene::ContactFilter::All),
                                    planar, kTolerance);
-    return look(finder, opened(from), opened(to));
+    return findContacts(finder, opened(from), opened(to));
   }
 
   model::TessellationShape shape;
@@ -259,16 +260,16 @@ TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
   contacts::ContactFinder finder(bricks, folded(0), {}, around(scene::ContactFilter::All), false,
                                  kTolerance);
   for (const double angle : {0.0, 0.5, 1.5, 2.5, 3.0}) {
-    EXPECT_TRUE(look(finder, folded(angle), folded(angle + 0.1)).contacts.empty()) << angle;
+    EXPECT_TRUE(findContacts(finder, folded(angle), folded(angle + 0.1)).contacts.empty()) << angle;
   }
-  EXPECT_FALSE(look(finder, folded(3.1), folded(3.2)).contacts.empty());
-  EXPECT_FALSE(look(finder, folded(0), folded(-0.1)).contacts.empty());
+  EXPECT_FALSE(findContacts(finder, folded(3.1), folded(3.2)).contacts.empty());
+  EXPECT_FALSE(findContacts(finder, folded(0), folded(-0.1)).contacts.empty());
 }
 
 TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
   // Joined at their bottom corners and 0.3 rad open, folded towards their tops about the line
   // through the pivot across the gap: whole bricks meet above the pivot at once, bricks without
-  // their corners when the fold has used up the gap beside them.
+  // their corners when the fold has closed the gap next to them.
   const JoinedPair pair(model::JointFace::Bottom);
   const Poses open = pair.opened(0.3);
   const Vector3 pivot = open[0].apply(pair.pivots[0].pointA);
@@ -289,7 +290,7 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
     scene::Environment environment = around(scene::ContactFilter::All);
     environment.pivotZone = zone;
     contacts::ContactFinder finder(pair.bricks, open, pair.pivots, environment, false, kTolerance);
-    return !look(finder, open, folded(angle)).contacts.empty();
+    return !findContacts(finder, open, folded(angle)).contacts.empty();
   };
   int towardsTops = 0;
   for (const double away : {-1.0, 1.0}) {
@@ -314,9 +315,9 @@ TEST(ContactFinder, HandsNoPairOverThroughItself) {
   const auto crossed = [&](double height) { return Poses{{}, {Vector3(0.2, 0, height), upright}}; };
   contacts::ContactFinder finder(bricks, crossed(0.45), {}, around(scene::ContactFilter::All),
                                  false, kTolerance);
-  EXPECT_TRUE(look(finder, crossed(0.45), crossed(0.46)).contacts.empty());
-  EXPECT_FALSE(look(finder, crossed(0.45), crossed(0.3)).contacts.empty());
-  EXPECT_FALSE(look(finder, crossed(0.45), crossed(-0.6)).contacts.empty());
+  EXPECT_TRUE(findContacts(finder, crossed(0.45), crossed(0.46)).contacts.empty());
+  EXPECT_FALSE(findContacts(finder, crossed(0.45), crossed(0.3)).contacts.empty());
+  EXPECT_FALSE(findContacts(finder, crossed(0.45), crossed(-0.6)).contacts.empty());
 }
 
 TEST(ContactFinder, FiltersPairs) {
@@ -327,7 +328,7 @@ TEST(ContactFinder, FiltersPairs) {
          {scene::ContactFilter::None, scene::ContactFilter::Unjoined, scene::ContactFilter::All}) {
       contacts::ContactFinder finder(pair.bricks, pair.opened(0), pivots, around(filter), false,
                                      kTolerance);
-      const Found found = look(finder, pair.opened(0.1), pair.opened(-0.1));
+      const Found found = findContacts(finder, pair.opened(0.1), pair.opened(-0.1));
       const bool meets =
           filter == scene::ContactFilter::All || (filter != scene::ContactFilter::None && !joined);
       EXPECT_EQ(!found.contacts.empty(), meets);
@@ -342,10 +343,10 @@ TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
   contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
                                  false, kTolerance);
   const Poses start = overlapping(0.1);
-  EXPECT_TRUE(look(finder, start, start).contacts.empty());
-  EXPECT_TRUE(look(finder, start, overlapping(0.05)).contacts.empty());
-  EXPECT_TRUE(look(finder, start, overlapping(-0.2)).contacts.empty());
-  const Found deeper = look(finder, start, overlapping(0.11));
+  EXPECT_TRUE(findContacts(finder, start, start).contacts.empty());
+  EXPECT_TRUE(findContacts(finder, start, overlapping(0.05)).contacts.empty());
+  EXPECT_TRUE(findContacts(finder, start, overlapping(-0.2)).contacts.empty());
+  const Found deeper = findContacts(finder, start, overlapping(0.11));
   ASSERT_FALSE(deeper.contacts.empty());
   EXPECT_NEAR(deeper.overlap, 0.01, 1e-12);  // measured 9e-18
   for (const model::Contact& contact : deeper.contacts) {
@@ -359,9 +360,9 @@ TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
   contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
                                  false, kTolerance);
-  EXPECT_FALSE(look(finder, overlapping(0.04), overlapping(0.06)).contacts.empty());
-  EXPECT_TRUE(look(finder, overlapping(-0.01), overlapping(-0.01)).contacts.empty());
-  EXPECT_NEAR(look(finder, overlapping(-0.01), overlapping(0.02)).overlap, 0.02, 1e-12);
+  EXPECT_FALSE(findContacts(finder, overlapping(0.04), overlapping(0.06)).contacts.empty());
+  EXPECT_TRUE(findContacts(finder, overlapping(-0.01), overlapping(-0.01)).contacts.empty());
+  EXPECT_NEAR(findContacts(finder, overlapping(-0.01), overlapping(0.02)).overlap, 0.02, 1e-12);
 }
 
 TEST(ContactFinder, GivesAPlaneOnceInAStep) {
@@ -407,9 +408,9 @@ Found heap(const std::vector<int>& order, int warmUps) {
   for (int i = 0; i < warmUps; ++i) {
     Poses elsewhere = sorted(start);
     elsewhere[i % 4].position += chance.vector();
-    look(finder, sorted(start), elsewhere);
+    findContacts(finder, sorted(start), elsewhere);
   }
-  return look(finder, sorted(start), sorted(end));
+  return findContacts(finder, sorted(start), sorted(end));
 }
 
 /// The contacts as sorted rows of numbers that do not know who is brick 0: the pair by its original
@@ -459,8 +460,8 @@ TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
   }
 }
 
-/// A plate whose bottom stands at a height.
-Poses standing(const model::Brick& brick, double height) {
+/// A plate whose bottom is at a height.
+Poses plateAt(const model::Brick& brick, double height) {
   return {at(0, 0, height + 0.5 * brick.thickness)};
 }
 
@@ -468,10 +469,10 @@ TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{-1, 0.7};
-  const Poses start = standing(bricks[0], -0.99);
+  const Poses start = plateAt(bricks[0], -0.99);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
-  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
-  const Found found = look(finder, start, standing(bricks[0], -1.05));
+  EXPECT_TRUE(findContacts(finder, start, plateAt(bricks[0], -1)).contacts.empty());
+  const Found found = findContacts(finder, start, plateAt(bricks[0], -1.05));
   EXPECT_NEAR(found.overlap, 0.05, 1e-15);  // measured 4e-17
   ASSERT_EQ(found.contacts.size(), 8u);
   for (const model::Contact& contact : found.contacts) {
@@ -486,21 +487,21 @@ TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
   const std::vector<model::Brick> bricks = {test::plate(1e-3)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0.01);
+  const Poses start = plateAt(bricks[0], 0.01);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
-  EXPECT_EQ(look(finder, start, standing(bricks[0], -0.04)).contacts.size(), 8u);
+  EXPECT_EQ(findContacts(finder, start, plateAt(bricks[0], -0.04)).contacts.size(), 8u);
 }
 
 TEST(ContactFinder, GivesTheGroundOnceInAStep) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0.01);
+  const Poses start = plateAt(bricks[0], 0.01);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   finder.startStep(start);
   std::vector<model::Contact> contacts;
   for (int round = 0; round < 3; ++round) {
-    EXPECT_GT(finder.appendViolated(standing(bricks[0], -0.05), contacts), 0.04);
+    EXPECT_GT(finder.appendViolated(plateAt(bricks[0], -0.05), contacts), 0.04);
     EXPECT_EQ(contacts.size(), 8u);
   }
 }
@@ -509,9 +510,9 @@ TEST(ContactFinder, APlanarSceneHasNoGroundToFallThrough) {
   const std::vector<model::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
-  const Poses start = standing(bricks[0], 0);
+  const Poses start = plateAt(bricks[0], 0);
   contacts::ContactFinder finder(bricks, start, {}, environment, true, kTolerance);
-  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
+  EXPECT_TRUE(findContacts(finder, start, plateAt(bricks[0], -1)).contacts.empty());
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
   EXPECT_GT(reused, 20);
 }
 
-TEST(NearPairs, DependOnTheLastBoxesAlone) {
+TEST(NearPairs, DependOnlyOnTheLastBoxes) {
   Chance chance(3);
   const std::vector<model::Brick> bricks = prisms(40);
   Poses poses = scattered(chance, 40, 1);

@@ -59,7 +59,7 @@ struct Pair {
   contacts::PlacedOutline a, b;
 };
 
-/// Planar pairs get tall prisms, so that no way out leads over the top.
+/// Planar pairs get tall prisms, whose shortest separation is never vertical.
 model::Brick anyPrism(Chance& chance, bool planar) {
   const int corners = 3 + chance.below(4);
   const double thickness = chance.next() > 0 ? 0.02 : 0.5;
@@ -279,8 +279,8 @@ TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
   }
 }
 
-/// Two plates that share a corner of their bottoms and are turned about it, so that an edge of each
-/// starts there.
+/// Two plates that share a corner of their bottoms and are rotated about it. An edge of each starts
+/// there.
 std::unique_ptr<Pair> cornerPair(Chance& chance) {
   const model::Brick plate = test::plate(0.2);
   const Quaternion turnA = rotationFromVector(0.4 * chance.vector());
@@ -345,7 +345,7 @@ TEST(ContactRow, OfTheGroundIsTheGapsDerivative) {
   EXPECT_LT(rowError<6>(contact, poses), 1e-8);
 }
 
-/// Of the steady planes of two edges; the number of rows looked at.
+/// Checks the steady planes of two edges. Returns the number of checked rows.
 int expectEdgeRows(const Pair& pair) {
   int rows = 0;
   for (const contacts::SeparatingPlane& plane : edgePlanes(pair)) {

@@ -1,4 +1,4 @@
-// When a run counts as done: arrived, clear of overlaps, its search not ended by the budget.
+// When a run succeeds: it arrives without overlaps, and the budget did not end its search.
 #include "sim/run/arrival.h"
 
 #include <gmock/gmock.h>

@@ -31,8 +31,8 @@ scene::Scene bendingSquare(double youngs, double thickness = 0.02) {
   return scene;
 }
 
-/// Gives both halves opposite turns about the diagonal, so that they bend at so many rad/s while
-/// their common centre of mass stays.
+/// Gives both halves opposite angular velocities about the diagonal, rad/s. Their common centre of
+/// mass stays fixed.
 void bendAt(double rate, scene::Scene& scene) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const Poses poses = model::startPoses(scene.model.tiles, bricks);
@@ -130,7 +130,7 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
   }
 }
 
-// The parts of a tile are hinged on one face, and bend to both sides all the same.
+// The parts of a tile are hinged on one face, and still bend to both sides.
 TEST(BendingTiles, AreNotInTheirOwnWay) {
   for (const double side : {1.0, -1.0}) {
     std::vector<double> angles;
@@ -150,7 +150,7 @@ TEST(BendingTiles, AreNotInTheirOwnWay) {
 }
 
 /// Four squares round a vertex: the folds of the first, which is pinned, rest by 0.1 and 0.05 rad,
-/// the two others flat. Rigid squares could fold along one line alone.
+/// the two others flat. Rigid squares could fold along only one line.
 scene::Scene frustratedSheet(double thickness) {
   scene::Scene scene;
   for (const auto& [x, y] :
@@ -257,7 +257,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
             "neither. "
             "Split tiles (`split_tiles = all`), or give folds a length scale (`panels = "
             "E,NU,LENGTH`). Tiles that also stretch need a [[grip]] in scene.toml");
-  // Folds alone are enough, and that tiles stay rigid is said.
+  // Folds suffice, and a warning reports that tiles stay rigid.
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
   std::string said;

@@ -1,5 +1,4 @@
-// Concave bricks in motion: what touches is judged by distances of polygons, brute force over
-// sides.
+// Concave bricks in motion: contacts are checked by distances of polygons, brute force over sides.
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
@@ -46,7 +45,7 @@ double kineticEnergy(const Moving& bricks) {
   return energy;
 }
 
-/// Lets two bricks fly for some steps and looks at each.
+/// Lets two bricks fly for some steps and checks each.
 Watched fly(Moving& bricks, int steps) {
   Watched seen;
   double energy = kineticEnergy(bricks);
@@ -63,7 +62,7 @@ Watched fly(Moving& bricks, int steps) {
 }
 
 TEST(ConcaveBricks, TwoLShapesMeetWhereTheirSidesDo) {
-  // One in the notch of the other, flung about in 40 ways.
+  // One in the notch of the other, with 40 initial motions.
   std::mt19937 random(4);
   std::uniform_real_distribution<double> speed(-1, 1);
   int met = 0;

@@ -47,7 +47,7 @@ bool dependsOnTheSeed(scene::Scene scene) {
   return !sameBytes(first, deploy::deploy(scene, 0.05, nullptr).trajectory);
 }
 
-/// A square that stands on its corner upon another's, which is held.
+/// A square with its corner on that of another one, which is held.
 scene::Scene standingSquare() {
   scene::Scene scene;
   model::Tile square;
@@ -63,7 +63,7 @@ scene::Scene standingSquare() {
   return scene;
 }
 
-TEST(DeployTwice, TheSeedMattersToAStartAloneThatDoesNotMoveByItself) {
+TEST(DeployTwice, TheSeedMattersOnlyForASymmetricStart) {
   EXPECT_FALSE(
       dependsOnTheSeed(sheet(true, scene::SolverKind::Direct)));  // its springs turn the tiles
   const scene::Scene scene = standingSquare();

@@ -108,9 +108,9 @@ TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
   scene::Scene scene = smallScene();
   scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
-  run::DeploymentResult usual = deploy::deploy(scene, 1.0 / 60, nullptr);
-  const std::vector<double> figures = figuresOf(usual);
-  std::vector<double> usualTimes;
+  run::DeploymentResult reference = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const std::vector<double> figures = figuresOf(reference);
+  std::vector<double> firstTimes;
   for (const double rate : {1.0, 7.0, 24.0, 25.0, 30.0, 50.0, 240.0, 1000.0}) {
     run::DeploymentResult result = deploy::deploy(scene, 1 / rate, nullptr);
     EXPECT_EQ(figuresOf(result), figures) << rate;
@@ -118,8 +118,8 @@ TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
     for (const trajectory::Sample& sample : result.trajectory.samples) {
       for (const trajectory::StepRecord& step : sample.steps) times.push_back(step.time);
     }
-    if (usualTimes.empty()) usualTimes = times;
-    EXPECT_EQ(times, usualTimes) << rate;
+    if (firstTimes.empty()) firstTimes = times;
+    EXPECT_EQ(times, firstTimes) << rate;
     EXPECT_EQ(times.front(), 0);
     EXPECT_EQ(std::ranges::adjacent_find(times, std::greater_equal<>()), times.end());
     EXPECT_EQ(times.back(), result.trajectory.samples.back().time);

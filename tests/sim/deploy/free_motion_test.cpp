@@ -13,7 +13,7 @@ namespace {
 
 using test::kGravity;
 
-/// Bricks that gravity alone moves, without damping.
+/// Bricks moved only by gravity, without damping.
 scene::Scene undriven(model::Model model, double duration) {
   scene::Scene scene;
   scene.model = std::move(model);

@@ -94,7 +94,7 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
   ASSERT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_GT(run.elasticity->energyStart, 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);
-  // The sheet is free, so that its folds tell where it is.
+  // The sheet is free, so its folds define its state.
   const Poses& last = run.trajectory.samples.back().poses;
   for (const model::HingeSpring& spring : model::hingeSpringsOf(run.trajectory.pairForces)) {
     EXPECT_NEAR(model::hingeAngle(spring.hinge, last), spring.rest, 1e-5);

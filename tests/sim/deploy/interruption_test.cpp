@@ -12,21 +12,21 @@ namespace {
 
 using test::kStep;
 
-/// Ends what is prepared for it, at a look of this number.
-class EndAtLook {
+/// Interrupts a run at the check of this number.
+class InterruptAtCheck {
  public:
-  explicit EndAtLook(int look) : look_(look) {}
+  explicit InterruptAtCheck(int check) : check_(check) {}
 
   void operator()() {
-    if (InterruptionCatcher::isThere() && ++looks_ == look_) throw Interrupted();
+    if (InterruptionCatcher::isThere() && ++checks_ == check_) throw Interrupted();
   }
 
  private:
-  int look_;
-  int looks_ = 0;
+  int check_;
+  int checks_ = 0;
 };
 
-/// A sheet of 400 bricks among which contacts are looked for, 2 s of work without an end.
+/// A sheet of 400 bricks with contacts, 2 s of work if not interrupted.
 scene::Scene sheetThatFalls() {
   scene::Scene scene;
   scene.model = model::makeTessellation({.columns = 20, .rows = 20});
@@ -52,10 +52,10 @@ TEST(InterruptedStep, CountsAsNotBegun) {
   const scene::Scene scene = sheetThatFalls();
   const run::DeploymentResult whole = deploy::deploy(scene, kStep, nullptr);
   ASSERT_NE(whole.outcome, run::Outcome::Interrupted);
-  for (const int look : {1, 3, 7}) {
-    const InterruptionScope scope(EndAtLook{look});
+  for (const int check : {1, 3, 7}) {
+    const InterruptionScope scope(InterruptAtCheck{check});
     const run::DeploymentResult part = deploy::deploy(scene, kStep, nullptr);
-    ASSERT_EQ(part.outcome, run::Outcome::Interrupted) << look;
+    ASSERT_EQ(part.outcome, run::Outcome::Interrupted) << check;
     const std::vector<trajectory::Sample>& samples = part.trajectory.samples;
     ASSERT_LT(samples.size(), whole.trajectory.samples.size());
     for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -70,7 +70,7 @@ TEST(InterruptedSearch, ShowsTheStart) {
   scene::Scene scene;
   scene.model = model::makeTessellation({.columns = 30, .rows = 30});
   scene.path.kind = scene::PathKind::Auto;
-  const InterruptionScope scope(EndAtLook{3});
+  const InterruptionScope scope(InterruptAtCheck{3});
   const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Interrupted);
   ASSERT_EQ(result.trajectory.samples.size(), 1U);

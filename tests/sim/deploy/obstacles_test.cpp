@@ -150,8 +150,8 @@ TEST(Obstacles, FrictionHoldsABrickOnASlopeUpToItsAngle) {
     run.advance(96);
     const double time = 96 * kStep;
     const double pull = kGravity * (std::sin(angle) - friction * std::cos(angle));
-    const double way = pull > 0 ? 0.5 * pull * time * (time + kStep) : 0;
-    EXPECT_NEAR((place(run) - from).norm(), way, 1e-9) << friction;  // measured 1e-16
+    const double moved = pull > 0 ? 0.5 * pull * time * (time + kStep) : 0;
+    EXPECT_NEAR((place(run) - from).norm(), moved, 1e-9) << friction;  // measured 1e-16
     EXPECT_EQ(run.unconverged, 0);
   }
 }

@@ -67,13 +67,13 @@ scene::Scene withLigaments() {
 double farthest(const run::DeploymentResult& level, const run::DeploymentResult& tilted) {
   double largest = 0;
   for (std::size_t k = 0; k < level.trajectory.samples.size(); ++k) {
-    const std::vector<model::Tile> wanted =
+    const std::vector<model::Tile> expected =
         turned(model::bottomTiles(level.trajectory.bricks, level.trajectory.samples[k].poses));
     const std::vector<model::Tile> found =
         model::bottomTiles(tilted.trajectory.bricks, tilted.trajectory.samples[k].poses);
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      for (std::size_t v = 0; v < wanted[i].vertices.size(); ++v) {
-        largest = std::max(largest, (wanted[i].vertices[v] - found[i].vertices[v]).norm());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      for (std::size_t v = 0; v < expected[i].vertices.size(); ++v) {
+        largest = std::max(largest, (expected[i].vertices[v] - found[i].vertices[v]).norm());
       }
     }
   }
@@ -160,10 +160,10 @@ TEST(OwnAxes, GripsActInAnyPlane) {
   const mechanics::Equilibrium& a = level.loadCurve->states.back();
   const mechanics::Equilibrium& b = tilted.loadCurve->states.back();
   EXPECT_EQ(tilted.loadCurve->grips[4].name, "grip 2 x");
-  const Vector3 wanted = kTurn * Vector3(a.forces[3], a.forces[4], 0);
+  const Vector3 expected = kTurn * Vector3(a.forces[3], a.forces[4], 0);
   const Vector3 found(b.forces[4], b.forces[5], b.forces[6]);
-  EXPECT_GT(wanted.norm(), 0);
-  EXPECT_LT((wanted - found).norm(), 1e-8 * wanted.norm());
+  EXPECT_GT(expected.norm(), 0);
+  EXPECT_LT((expected - found).norm(), 1e-8 * expected.norm());
   const Vector3 move = kTurn * Vector3(0.05, 0.03, 0);
   EXPECT_NEAR(b.displacements[4], move.x(), 1e-12);
   EXPECT_NEAR(b.displacements[6], move.z(), 1e-12);

@@ -59,13 +59,13 @@ model::Model seededSheet(int seed) {
 TEST(RoundedSheets, KeepTheirDegreesOfFreedom) {
   for (int seed = 0; seed < 100; ++seed) {
     const model::Model exact = seededSheet(seed);
-    const trajectory::Mobility wanted =
+    const trajectory::Mobility expected =
         trajectory::mobility(exact, exact.tiles, trajectory::Freedom::Plane, 0.02);
     for (const int places : {3, 4}) {
       const model::Model model = rounded(exact, places);
       EXPECT_NEAR(model.rounding, std::pow(10, -places), 1e-12) << seed;
       EXPECT_EQ(trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, 0.02).freedoms,
-                wanted.freedoms)
+                expected.freedoms)
           << "seed " << seed << ", " << places << " decimals";
     }
   }
@@ -130,7 +130,7 @@ TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
       << run.reason;
 }
 
-// Two rows of tiles close exactly whatever their shapes are. Measured: 1e-12 m.
+// Two rows of tiles close exactly for any shapes. Measured: 1e-12 m.
 TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
   const model::Model chain = generate::generateModel(
       generate::familyNamed("tessellation"),

@@ -60,7 +60,7 @@ scene::Scene cap() {
   return scene;
 }
 
-TEST(Scale, PowersOfTwoChangeExponentsAlone) {
+TEST(Scale, PowersOfTwoChangeOnlyExponents) {
   for (const double factor : {std::ldexp(1, -10), std::ldexp(1, 10)}) {
     expectSameAtScale(tessellation(), factor, 0);
     expectSameAtScale(cap(), factor, 0);
@@ -79,14 +79,14 @@ scene::Scene amongBricks(scene::Scene scene) {
   return scene;
 }
 
-TEST(Scale, PowersOfTwoChangeExponentsAloneAmongBricks) {
+TEST(Scale, PowersOfTwoChangeOnlyExponentsWithContacts) {
   for (const double factor : {std::ldexp(1, -10), std::ldexp(1, 10)}) {
     expectSameAtScale(amongBricks(tessellation()), factor, 0);
     expectSameAtScale(amongBricks(cap()), factor, 0);
   }
 }
 
-/// As the program has it, but for a path that is geometry.
+/// As in the program, but not for a kinematic path.
 scene::Scene byDynamics(scene::Scene scene) {
   const model::Model model = std::move(scene.model);
   scene = scene::openScene();
@@ -123,7 +123,7 @@ void expectSameMotion(const scene::Scene& scene, const scene::Scene& other, doub
 
 TEST(Scale, HeavierBricksMoveAlikeByDefault) {
   for (const scene::Scene& scene : {tessellation(), cap(), amongBricks(cap())}) {
-    // Square roots of masses change exponents alone where these change by a power of four.
+    // Square roots of masses change only exponents if the masses change by a power of four.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 4000), 0);
     expectSameAtScale(weighing(scene, 1000), 0.25, 0);
   }

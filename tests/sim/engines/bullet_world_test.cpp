@@ -114,7 +114,7 @@ TEST(BulletWorld, TurnsByTheWholeInertia) {
   EXPECT_LT((motionOf(world).velocities[0].angular - expected).norm(), 1e-11 * expected.norm());
 }
 
-TEST(BulletWorld, TakesALoadForOneStepAlone) {
+TEST(BulletWorld, AppliesALoadForOneStepOnly) {
   const Layout layout = makeLayout({squareAt(0, 0, 0)});
   engines::BulletWorld world = makeWorld(layout, emptySpace());
   world.applyLoad(0, {2, 0, 0}, Vector3::Zero());
@@ -175,7 +175,7 @@ TEST(BulletWorld, LetsOverlappingBricksBeWithoutContacts) {
   EXPECT_EQ(motionOf(world).poses[1].position, layout.poses[1].position);
 }
 
-TEST(BulletWorld, LetsOverlappingBricksBeWithTheGroundAlone) {
+TEST(BulletWorld, AllowsOverlapsIfOnlyTheGroundCollides) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(0.5, 0, 0.03)});
   scene::Environment environment = emptySpace();
   environment.ground = scene::Ground{-1, 0.5};
@@ -214,7 +214,7 @@ TEST(BulletWorld, PassesJoinedBricksThroughWhenOnlyUnjoinedOnesTouch) {
 TEST(BulletWorld, DoesNotPryCompactTilesApart) {
   std::vector<model::Tile> tiles = {squareAt(0, 0, 0), squareAt(1, 0, 0), squareAt(0, 1, 0),
                                     squareAt(1, 1, 0)};
-  // Turned, so that faces that touch are a rounding error apart or inside each other.
+  // Rotated, so touching faces are apart or overlap by a rounding error.
   const Quaternion turn = rotationFromVector({0.3, -0.2, 0.7});
   for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex = turn * vertex;

@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class ConcaveSheet : public testing::TestWithParam<Request> {};
 
-/// The judge is brute force over all sides of all pairs.
+/// Checked by brute force over all sides of all pairs.
 int overlappingPairs(const std::vector<model::Tile>& tiles) {
   int count = 0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {

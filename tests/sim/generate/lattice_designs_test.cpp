@@ -72,9 +72,9 @@ TEST(LatticeDesigns, OpenAsOneMechanism) {
                                  between = field.tiles(1);
   for (std::size_t tile = 0; tile < start.size(); ++tile) {
     for (std::size_t k = 0; k < 4; ++k) {
-      const Vector3 wanted =
+      const Vector3 expected =
           std::cos(0.5) * start[tile].vertices[k] + std::sin(0.5) * end[tile].vertices[k];
-      EXPECT_LT((between[tile].vertices[k] - wanted).norm(), 1e-14);  // measured 2e-15
+      EXPECT_LT((between[tile].vertices[k] - expected).norm(), 1e-14);  // measured 2e-15
     }
   }
 }

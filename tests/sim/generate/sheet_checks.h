@@ -1,4 +1,4 @@
-/// Judges sheets by rules of its own: nothing here is used by what makes them.
+/// Checks sheets by independent rules, which the generators do not use.
 #pragma once
 
 #include <algorithm>

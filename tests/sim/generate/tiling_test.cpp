@@ -87,7 +87,7 @@ TEST(Tiling, StampfliHasThePublishedRings) {
 TEST(Tiling, PenroseHasItsSevenVertexFigures) {
   const generate::Tiling tiling = generate::penroseTiling(3000);
   const std::map<Figure, int> figures = innerFigures(tiling, pi / 5);
-  // De Bruijn 1981: D, J, K, Q, S3, S4, and S and S5, which differ by their arrows alone.
+  // De Bruijn 1981: D, J, K, Q, S3, S4, and S and S5, which differ only by their arrows.
   EXPECT_EQ(figures.size(), 7U);
   EXPECT_EQ(sizes(figures), (std::set<std::size_t>{3, 4, 5, 6, 7}));
   // Wide over narrow rhombi: the golden ratio. Measured 0.3816.

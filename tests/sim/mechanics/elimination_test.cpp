@@ -71,9 +71,10 @@ TEST(Elimination, EveryPairHasAPlaceInItsFront) {
     SCOPED_TRACE(graph.name);
     for (const auto& [a, b] : graph.edges) {
       const auto [column, row] = std::minmax(plan.place[a], plan.place[b]);
-      const auto after = std::upper_bound(
-          plan.supernodes.begin(), plan.supernodes.end(), column,
-          [](int wanted, const mechanics::Supernode& node) { return wanted < node.firstColumn; });
+      const auto after = std::upper_bound(plan.supernodes.begin(), plan.supernodes.end(), column,
+                                          [](int expected, const mechanics::Supernode& node) {
+                                            return expected < node.firstColumn;
+                                          });
       const std::vector<int> rows = frontRows(*std::prev(after));
       EXPECT_TRUE(std::binary_search(rows.begin(), rows.end(), row));
     }
@@ -103,12 +104,12 @@ TEST(Elimination, ChildPlacesPointAtTheChildsRows) {
       const std::vector<int> rows = frontRows(node);
       ASSERT_EQ(node.childPlaces.size(), node.children.size());
       for (std::size_t c = 0; c < node.children.size(); ++c) {
-        const std::vector<int>& wanted = plan.supernodes[node.children[c]].rows;
-        ASSERT_EQ(node.childPlaces[c].size(), wanted.size());
-        for (std::size_t k = 0; k < wanted.size(); ++k) {
+        const std::vector<int>& expected = plan.supernodes[node.children[c]].rows;
+        ASSERT_EQ(node.childPlaces[c].size(), expected.size());
+        for (std::size_t k = 0; k < expected.size(); ++k) {
           const int place = node.childPlaces[c][k];
           ASSERT_TRUE(place >= 0 && place < static_cast<int>(rows.size()));
-          EXPECT_EQ(rows[place], wanted[k]);
+          EXPECT_EQ(rows[place], expected[k]);
         }
       }
     }

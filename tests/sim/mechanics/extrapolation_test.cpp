@@ -157,8 +157,8 @@ class OneAngleSheet {
   std::vector<model::Load> scratch_;
 };
 
-double farthest(const JoinedBricks& bricks, const Poses& wanted) {
-  return trajectory::targetError(model::bottomTiles(bricks.bricks, wanted), bricks.bricks,
+double farthest(const JoinedBricks& bricks, const Poses& expected) {
+  return trajectory::targetError(model::bottomTiles(bricks.bricks, expected), bricks.bricks,
                                  bricks.motion.poses);
 }
 
@@ -329,8 +329,8 @@ TEST(FreeBrick, TumblesWithThePeriodOfTheEllipticIntegral) {
   }
   ASSERT_GT(turns.size(), 4u);
   const double period = 2 * (turns.back() - turns.front()) / static_cast<double>(turns.size() - 1);
-  const double wanted = tumblingPeriod(brick.bricks[0].inertia.diagonal(), spin);
-  EXPECT_NEAR(period, wanted, 1e-4 * wanted);  // measured 7e-6
+  const double expected = tumblingPeriod(brick.bricks[0].inertia.diagonal(), spin);
+  EXPECT_NEAR(period, expected, 1e-4 * expected);  // measured 7e-6
 }
 
 TEST(FreeSheet, KeepsItsEnergyAndItsMomenta) {

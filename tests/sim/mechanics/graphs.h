@@ -27,7 +27,7 @@ inline Graph gridGraph(int columns, int rows) {
   return graph;
 }
 
-/// Edges between random pairs, none twice; nodes may stay alone.
+/// Distinct edges between random pairs. Nodes may have no edge.
 inline Graph randomGraph(int nodeCount, int edgeCount, unsigned seed) {
   std::mt19937 generator(seed);
   std::set<std::pair<int, int>> edges;

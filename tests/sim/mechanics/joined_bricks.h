@@ -51,7 +51,7 @@ inline model::Model openSheet(int side, double startAngle) {
   return model::makeTessellation(shape);
 }
 
-/// Target springs and the environment's damping, as a deployment has them.
+/// Target springs and the environment's damping, as in a deployment.
 inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
                                          const run::TargetSprings& springs,
                                          scene::Environment environment) {

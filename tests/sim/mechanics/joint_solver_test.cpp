@@ -80,7 +80,7 @@ TEST(JointSolver, AngularMomentumErrsInProportionToTheStep) {
 }
 
 TEST(JointSolver, FreeFallIsTheSumOverSteps) {
-  // Implicit Euler falls g h^2 n (n + 1) / 2, whatever turns meanwhile.
+  // Implicit Euler falls by g h^2 n (n + 1) / 2, for any rotation.
   JoinedBricks pair = tumblingPair();
   const Vector3 start = massCentre(pair);
   const Vector3 speed = linearMomentum(pair) / 2;
@@ -154,7 +154,7 @@ TEST(JointSolver, AssemblesAnOpenStart) {
   }
 }
 
-TEST(JointSolver, AssemblyLeavesAClosedStartAlone) {
+TEST(JointSolver, AssemblyKeepsAClosedStart) {
   JoinedBricks sheet(test::openSheet(3, 0.6));
   const Poses before = sheet.motion.poses;
   EXPECT_LT(sheet.solver(false)->assemble(sheet.motion.poses), 1e-12);

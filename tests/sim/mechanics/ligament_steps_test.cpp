@@ -219,7 +219,7 @@ TEST(LigamentSteps, NeverDiverge) {
             const LigamentFate fate = fateOf(length, exact, stiffness, step, damping);
             const std::string name = fmt::format("length {} exact {} k {:g} h {:.4f} c {:g}",
                                                  length, exact, stiffness, step, damping);
-            // Measured: 7.7e-5, closing exact joints beside ligaments. Tiles on softer ones turn
+            // Measured: 7.7e-5, closing exact joints next to ligaments. Tiles on softer ones turn
             // right round, where the angle of a hinge jumps by a whole turn: 8.4e-3.
             EXPECT_LT(fate.growth, stiffness < 0.5 ? 0.05 : 5e-3) << name;
             EXPECT_LT(fate.gap, 1e-10) << name;  // measured 1.3e-12

@@ -1,4 +1,4 @@
-/// The same motion, told in other words: tiles renumbered, axes turned, lengths in other units.
+/// The same motion in other descriptions: tiles renumbered, axes rotated, other units of length.
 #include <algorithm>
 #include <numeric>
 
@@ -116,7 +116,7 @@ TEST(SameMotion, WhenScaled) {
   }
 }
 
-/// Tiles in another order, joints in reverse and half of them told from their other side.
+/// Tiles in another order, joints in reverse order, and half of them with their sides exchanged.
 double renumberedDifference(bool planar) {
   const Story story = movingSheet(planar);
   const std::size_t count = story.model.tiles.size();

@@ -1,4 +1,4 @@
-/// Prints a hash of two sheets' motions, so that a test can compare processes with different
+/// Prints a hash of two sheets' motions, for a test that compares processes with different
 /// environments.
 #include <bit>
 #include <cstdint>

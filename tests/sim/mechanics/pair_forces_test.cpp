@@ -54,7 +54,7 @@ class CentreSpring : public model::PairForce {
   double stiffness_, length_;
 };
 
-/// What of a force only its derivatives tell.
+/// A force known only by its derivatives.
 class FromDerivatives : public model::PairForce {
  public:
   explicit FromDerivatives(std::vector<model::HingeSpring> springs)
@@ -112,8 +112,8 @@ TEST(PairForces, SwingWithTheFrequencyOfTheirClosedForm) {
   }
 }
 
-// Springs at hinges are linear in the angles of the plane, so that a step that takes them as rows
-// and one that takes them as blocks, by Newton's method, end in one state.
+// Hinge springs are linear in the angles of the plane. A step with them as rows and one with them
+// as blocks, by Newton's method, therefore end in the same state.
 TEST(PairForces, MoveASheetAsSpringsAtItsHingesDo) {
   for (const bool planar : {true, false}) {
     model::Model model = test::openSheet(3, 0.6);
@@ -193,11 +193,11 @@ TEST(PairForces, PushAsTheirGradientsSay) {
   for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
     springs.push_back({hinge, 2, hinge.start + 0.3, 0});
   }
-  std::vector<Vector6> wanted(4, Vector6::Zero()), found(4, Vector6::Zero());
-  model::HingeSprings(springs).addForces(sheet.motion, wanted);
+  std::vector<Vector6> expected(4, Vector6::Zero()), found(4, Vector6::Zero());
+  model::HingeSprings(springs).addForces(sheet.motion, expected);
   FromDerivatives(springs).addForces(sheet.motion, found);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((wanted[i] - found[i]).norm(), 1e-15) << i;
-  EXPECT_GT(wanted[0].norm(), 0.5);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((expected[i] - found[i]).norm(), 1e-15) << i;
+  EXPECT_GT(expected[0].norm(), 0.5);
 }
 
 TEST(PairForces, AreLeftOutWithoutPairs) {

@@ -12,7 +12,7 @@ using test::JoinedBricks;
 
 using test::kStep;
 
-/// Two unit squares beside each other with the joints given.
+/// Two unit squares next to each other, with these joints.
 model::Model pairOfSquares(const std::vector<model::Joint>& joints) {
   model::Model model;
   for (const double x : {0.0, 1.5}) {
@@ -103,7 +103,7 @@ TEST(Links, KeepTheirLengthAndTheMomentum) {
   EXPECT_LT(gap, 1e-11);  // measured 1e-12
   const Vector3 after = pair.motion.velocities[0].linear + pair.motion.velocities[1].linear;
   EXPECT_LT((after - before).norm(), 1e-10);  // measured 1e-12
-  // The link alone holds them: they have turned against each other.
+  // Only the link holds them, so they have rotated against each other.
   EXPECT_GT(pair.motion.poses[0].rotation.angularDistance(pair.motion.poses[1].rotation), 0.5);
 }
 

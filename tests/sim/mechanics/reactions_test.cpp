@@ -26,7 +26,7 @@ std::vector<Vector6> evenLoads(const JoinedBricks& bricks, const Vector3& force)
   return loads;
 }
 
-/// Random forces and torques on all bricks, those of the plane alone where that is asked for.
+/// Random forces and torques on all bricks, only those of the plane if requested.
 std::vector<Vector6> randomLoads(std::size_t count, bool planar, unsigned seed) {
   test::Numbers numbers(seed);
   std::vector<Vector6> loads;
@@ -119,7 +119,7 @@ TEST(Reactions, OfAThreeHingedArchAreThoseOfStatics) {
     const Vector3 pinLeft = found.pinForces[0].head<3>(), pinRight = found.pinForces[3].head<3>();
     EXPECT_LT((pinLeft - Vector3(thrust, left, 0)).norm(), 1e-9) << planar;
     EXPECT_LT((pinRight - Vector3(Q - thrust, right, 0)).norm(), 1e-9) << planar;
-    // The pinned tile's centre is half an edge beside and below the hinge.
+    // The pinned tile's centre is half an edge to the side of and below the hinge.
     const Vector3 arm = -arch.motion.poses[0].position;
     EXPECT_NEAR(found.pinForces[0][5], arm.cross(pinLeft).z(), 1e-9);
   }
@@ -159,9 +159,9 @@ TEST(Reactions, AlongALinkKeepItsLength) {
     const auto solver = reactionSolver(pair, planar);
     const mechanics::Reactions found =
         solver->solve(pair.motion, evenLoads(pair, Vector3::Zero()), {false, false}, kExact);
-    // Both ends are half an edge beyond the squares' centres, which alone would not keep the length
-    // 2 of the link: w^2 / 2 each, and (2 w)^2 / 2 across; against it works what a force along the
-    // link gives both ends, by Newton and Euler.
+    // Both ends are half an edge beyond the squares' centres, which would not by themselves keep
+    // the length 2 of the link: w^2 / 2 each, and (2 w)^2 / 2 across; against it works what a force
+    // along the link gives both ends, by Newton and Euler.
     Vector3 leverage = pair.pivots[0].pointA.cross(Vector3::UnitX());
     if (planar) leverage.head<2>().setZero();
     const double give =
@@ -171,7 +171,7 @@ TEST(Reactions, AlongALinkKeepItsLength) {
   }
 }
 
-/// All rows of the joints as they stand, dense: three a pivot, six columns a brick.
+/// All rows of the joints as a dense matrix: three per pivot, six columns per brick.
 Eigen::MatrixXd denseRows(const JoinedBricks& sheet, const std::vector<bool>& pinned, bool planar) {
   const auto columns = static_cast<Eigen::Index>(6 * sheet.bricks.size());
   const auto rows = static_cast<Eigen::Index>(3 * sheet.pivots.size());
@@ -239,15 +239,15 @@ TEST_P(RedundantSheet, HasTheLeastForces) {
   const std::vector<Vector6> loads = randomLoads(sheet.bricks.size(), planar, 3);
   const auto solver = reactionSolver(sheet, planar);
   const mechanics::Reactions found = solver->solve(sheet.motion, loads, pinned, kExact);
-  const Eigen::VectorXd wanted =
+  const Eigen::VectorXd expected =
       leastForces(denseRows(sheet, pinned, planar), denseMasses(sheet), stacked(loads));
   double difference = 0;
   for (std::size_t p = 0; p < sheet.pivots.size(); ++p) {
-    const Vector3 other = wanted.segment<3>(3 * static_cast<Eigen::Index>(p));
+    const Vector3 other = expected.segment<3>(3 * static_cast<Eigen::Index>(p));
     difference = std::max(difference, (found.pivotForces[p] - other).norm());
   }
-  EXPECT_LT(difference, 1e-7 * wanted.lpNorm<Eigen::Infinity>());
-  EXPECT_LT(found.imbalance, 1e-7 * wanted.lpNorm<Eigen::Infinity>());
+  EXPECT_LT(difference, 1e-7 * expected.lpNorm<Eigen::Infinity>());
+  EXPECT_LT(found.imbalance, 1e-7 * expected.lpNorm<Eigen::Infinity>());
 }
 
 /// The joints in whose rows some state of self-stress has a resultant, by the projector on the left
@@ -288,7 +288,7 @@ TEST_P(RedundantSheet, MarksWhatIsIndeterminate) {
   }
 }
 
-/// A chain of squares that branches off a sheet: its joints alone are determinate.
+/// A chain of squares that branches off a sheet: only its joints are determinate.
 TEST(Reactions, AreDeterminateInATree) {
   model::Model model = test::openSheet(3, 0.4);
   const auto loops = static_cast<int>(model.tiles.size());

@@ -10,9 +10,8 @@ using test::kStep;
 
 class StandstillTest : public testing::Test {
  protected:
-  /// One step in which bricks stand still, and moved before that or not. Returns whether it is
-  /// tried.
-  bool stand(bool movedBefore = false) {
+  /// One step in which bricks do not move, after a motion or not. Returns whether it is tried.
+  bool rest(bool movedBefore = false) {
     if (!standstill_.beginStep(motion_, loads_, kStep)) return false;
     if (movedBefore) standstill_.recordMotion();
     standstill_.recordStandstill();
@@ -20,10 +19,10 @@ class StandstillTest : public testing::Test {
     return true;
   }
 
-  /// How many of so many steps are tried.
+  /// How many of `steps` steps are tried.
   int tried(int steps) {
     int count = 0;
-    for (int step = 0; step < steps; ++step) count += stand() ? 1 : 0;
+    for (int step = 0; step < steps; ++step) count += rest() ? 1 : 0;
     return count;
   }
 
@@ -34,15 +33,15 @@ class StandstillTest : public testing::Test {
 
 TEST_F(StandstillTest, WhatFailedInHalvesIsNotTriedAgain) {
   EXPECT_TRUE(standstill_.mayHalve());
-  EXPECT_TRUE(stand());
+  EXPECT_TRUE(rest());
   EXPECT_TRUE(standstill_.isWhole());
   EXPECT_EQ(tried(100), 0);
 }
 
 TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
-  EXPECT_TRUE(stand(true));
+  EXPECT_TRUE(rest(true));
   EXPECT_FALSE(standstill_.isWhole());
-  EXPECT_TRUE(stand());  // in one piece
+  EXPECT_TRUE(rest());  // in one piece
   EXPECT_FALSE(standstill_.mayHalve());
   EXPECT_EQ(tried(8), 0);
   EXPECT_TRUE(standstill_.beginStep(motion_, loads_, kStep));
@@ -57,28 +56,28 @@ TEST_F(StandstillTest, OnePartThatStandsStillEndsHalving) {
 }
 
 TEST_F(StandstillTest, AnyChangeIsTried) {
-  stand();
+  rest();
   loads_[1].force[2] = 1e-12;
-  EXPECT_TRUE(stand());
-  EXPECT_FALSE(stand());
+  EXPECT_TRUE(rest());
+  EXPECT_FALSE(rest());
   motion_.poses[0].position.x() = 1e-12;
-  EXPECT_TRUE(stand());
-  EXPECT_FALSE(stand());
+  EXPECT_TRUE(rest());
+  EXPECT_FALSE(rest());
   motion_.velocities[1].angular.z() = 1e-12;
-  EXPECT_TRUE(stand());
+  EXPECT_TRUE(rest());
   motion_.velocities[1].angular.z() = 0;
   EXPECT_TRUE(standstill_.beginStep(motion_, loads_, 0.5 * kStep));
 }
 
 TEST_F(StandstillTest, WhatItForgetsIsTriedInHalves) {
-  stand();
+  rest();
   standstill_.forget();
   EXPECT_TRUE(standstill_.beginStep(motion_, loads_, kStep));
   EXPECT_TRUE(standstill_.mayHalve());
 }
 
 TEST_F(StandstillTest, ComesBackFromATape) {
-  stand();
+  rest();
   StateTape tape;
   tape.transfer(standstill_);
   StateTape played(tape.numbers());

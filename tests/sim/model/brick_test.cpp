@@ -15,8 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double kPi = std::numbers::pi;
 
-double relativeError(const Matrix3& found, const Matrix3& wanted) {
-  return (found - wanted).norm() / wanted.norm();
+double relativeError(const Matrix3& found, const Matrix3& expected) {
+  return (found - expected).norm() / expected.norm();
 }
 
 model::Tile moved(const model::Tile& tile, const Quaternion& turn, const Vector3& shift) {

@@ -51,8 +51,8 @@ TEST(ConcaveBrick, StarHasTheInertiaOfItsTriangles) {
   const double about = mass / 6 * (outer * outer + outer * inner * std::cos(angle) + inner * inner);
   const double across = 0.5 * about + mass * kThickness * kThickness / 12;
   EXPECT_NEAR(brick.mass, mass, 1e-12 * mass);
-  const Matrix3 wanted = Vector3(across, across, about).asDiagonal();
-  EXPECT_LT((brick.inertia - wanted).norm(), 1e-12 * wanted.norm());  // measured 5e-16
+  const Matrix3 expected = Vector3(across, across, about).asDiagonal();
+  EXPECT_LT((brick.inertia - expected).norm(), 1e-12 * expected.norm());  // measured 5e-16
 }
 
 TEST(ConcaveBrick, HasConvexPiecesOfOneBody) {

@@ -95,7 +95,7 @@ struct SlitGrid {
   }
 };
 
-/// Corners of joints and areas of tiles as the grid has them, within so many millimetres.
+/// Corners of joints and areas of tiles are those of the grid, within a tolerance in millimetres.
 void expectGrid(const Reading& reading, const SlitGrid& grid, const Eigen::Affine2d& move,
                 double tolerance) {
   ASSERT_EQ(reading.refusal, "");
@@ -111,8 +111,8 @@ void expectGrid(const Reading& reading, const SlitGrid& grid, const Eigen::Affin
     EXPECT_EQ(a, model.tiles[joint.b.tile].vertices[joint.b.vertex]);
     EXPECT_EQ(joint.face, JointFace::Both);
     double nearest = 1e9;
-    for (const Point& wanted : grid.joints) {
-      const Point place = move * wanted;
+    for (const Point& expected : grid.joints) {
+      const Point place = move * expected;
       nearest = std::min(nearest, (Point(1e3 * a.x(), -1e3 * a.y()) - place).norm());
     }
     EXPECT_LE(nearest, tolerance);

@@ -1,4 +1,4 @@
-// Drawings as geometry: places in closed form, whatever the spelling.
+// Geometry of drawings: positions in closed form, for any spelling.
 #include "sim/model/drawing.h"
 
 #include <cmath>
@@ -42,7 +42,7 @@ Drawing shapes(const std::string& content) {
                    content + "</svg>");
 }
 
-/// In millimetres, y downwards as SVG has it.
+/// In millimetres, y downwards as in SVG.
 std::vector<Vector2> points(const Drawing& drawing, std::size_t path = 0) {
   std::vector<Vector2> all;
   for (const Vector2& p : drawing.paths.at(path).points)
@@ -50,12 +50,12 @@ std::vector<Vector2> points(const Drawing& drawing, std::size_t path = 0) {
   return all;
 }
 
-void expectPoints(const Drawing& drawing, const std::vector<Vector2>& wanted) {
+void expectPoints(const Drawing& drawing, const std::vector<Vector2>& expected) {
   ASSERT_EQ(drawing.paths.size(), 1U);
   const std::vector<Vector2> found = points(drawing);
-  ASSERT_EQ(found.size(), wanted.size());
+  ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
-    EXPECT_LT((found[k] - wanted[k]).norm(), 1e-9) << k << ": " << found[k].transpose();
+    EXPECT_LT((found[k] - expected[k]).norm(), 1e-9) << k << ": " << found[k].transpose();
   }
 }
 
@@ -229,12 +229,12 @@ std::vector<Vector2> upPoints(const Drawing& drawing, std::size_t path = 0) {
   return all;
 }
 
-void expectUpPoints(const Drawing& drawing, const std::vector<Vector2>& wanted) {
+void expectUpPoints(const Drawing& drawing, const std::vector<Vector2>& expected) {
   ASSERT_EQ(drawing.paths.size(), 1U);
   const std::vector<Vector2> found = upPoints(drawing);
-  ASSERT_EQ(found.size(), wanted.size());
+  ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k)
-    EXPECT_LT((found[k] - wanted[k]).norm(), 1e-9) << k;
+    EXPECT_LT((found[k] - expected[k]).norm(), 1e-9) << k;
 }
 
 TEST(DxfDrawing, PolylinesOfAllReleasesAreOne) {

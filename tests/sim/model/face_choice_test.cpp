@@ -47,7 +47,7 @@ TEST(FaceChoice, DoesNotDependOnNumbers) {
   EXPECT_EQ(chosenFace(renumbered(foldedPair(-0.3))), model::JointFace::Bottom);
 }
 
-TEST(FaceChoice, SingleVertexIsJudgedByItsNormals) {
+TEST(FaceChoice, SingleVertexIsClassifiedByItsNormals) {
   model::Model model = foldedPair(0.3);
   // Turned in its own plane about the joint, the second tile shares only the vertex.
   for (Vector3& vertex : (*model.target)[1].vertices) {
@@ -63,7 +63,7 @@ TEST(FaceChoice, FlatSheetsAreJoinedOnBothFaces) {
   EXPECT_EQ(chosenFace(model::makeTessellation(shape)), model::JointFace::Both);
 }
 
-TEST(FaceChoice, SheetWithoutTargetIsJudgedAtTheStart) {
+TEST(FaceChoice, SheetWithoutTargetIsClassifiedAtTheStart) {
   model::Model model = foldedPair(0.3);
   model.tiles = *model.target;
   model.target.reset();

@@ -200,7 +200,7 @@ TEST(FoldFile, TakesBothNamesOfAngles) {
 }
 
 TEST(FoldFile, LettersGiveTheSign) {
-  // Folded by 180 degrees, the square lies on the other one; by 90 degrees it stands.
+  // Folded by 180 degrees, the square lies on the other one; by 90 degrees it is upright.
   const ReadSheet flat = readText(twoSquares().dump());
   EXPECT_EQ(flat.said,
             "@/a.fold: warning: 1 edges have a letter (M or V) but no angle. They fold by 180 "
@@ -211,10 +211,10 @@ TEST(FoldFile, LettersGiveTheSign) {
   mountain["edges_assignment"][1] = "M";
   model::ReadSettings half;
   half.fold = 0.5;
-  const ReadSheet standing = readText(mountain.dump(), half);
-  ASSERT_TRUE(standing.model.target);
-  EXPECT_LT((cornerOf(*standing.model.target, 1, 1) - Vector3(1, 0, -1)).norm(), 1e-15);
-  EXPECT_DOUBLE_EQ(standing.model.foldAngles.at({0, 1}), -90 * kDegree);
+  const ReadSheet upright = readText(mountain.dump(), half);
+  ASSERT_TRUE(upright.model.target);
+  EXPECT_LT((cornerOf(*upright.model.target, 1, 1) - Vector3(1, 0, -1)).norm(), 1e-15);
+  EXPECT_DOUBLE_EQ(upright.model.foldAngles.at({0, 1}), -90 * kDegree);
   // Angles that are given count, letters of a folded form say nothing of how to fold it.
   const json zero = {{"edges_foldAngle", {0, 0, 0, 0, 0, 0, 0}}};
   EXPECT_EQ(readText(edited(twoSquares(), zero).dump()).said,
@@ -378,7 +378,7 @@ RandomDrawing randomDrawing(unsigned seed) {
   RandomDrawing drawing;
   const int columns = 2 + static_cast<int>(number(5)), rows = 2 + static_cast<int>(number(5));
   const Vector3 turn(number(3), number(3), number(3));
-  // Some lie flat, some stand in space, where the side from which faces run anticlockwise is known.
+  // Some are flat, some are rotated in space. The side from which faces run anticlockwise is known.
   const bool isTurned = seed % 2 == 1;
   for (int y = 0; y <= rows; ++y) {
     for (int x = 0; x <= columns; ++x) {

@@ -1,4 +1,4 @@
-// Every message about a model folder, by its whole text ("@" stands for the folder).
+// The whole text of every message about a model folder ("@" is the folder).
 #include <map>
 
 #include <gtest/gtest.h>

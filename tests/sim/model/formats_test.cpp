@@ -117,7 +117,7 @@ TEST(Formats, CornersThatStayTogetherAreJoints) {
 }
 
 TEST(Formats, ManyCornersThatCoincideAreJoinedOnce) {
-  // Triangles like pages of a book that stands in the plane x = 0: all share one corner.
+  // Triangles like the pages of a book in the plane x = 0: all share one corner.
   const int pages = 20000;
   const auto edge = [](int k) {
     const double angle = k * M_PI / 20000;
@@ -203,8 +203,8 @@ TEST(Formats, FoldAnglesMakeTheTarget) {
 
 using FoldAngles = std::map<std::pair<int, int>, double>;
 
-/// Two unit squares like these as a file has them folded up by 90 degrees.
-std::string standingSquares(const std::string& more) {
+/// Two unit squares like these in a file, folded up by 90 degrees.
+std::string uprightSquares(const std::string& more) {
   return R"({"file_spec": 1.2, "vertices_coords": [[0,0,0],[1,0,0],[1,0,1],[1,1,1],[1,1,0],[0,1,0]],
              "faces_vertices": [[0,1,4,5],[1,2,3,4]], "edges_vertices": [[0,1],[1,4],[4,3]], )" +
          more + "}";
@@ -216,22 +216,22 @@ TEST(Formats, FoldAnglesAreKeptForSprings) {
       "edges_foldAngle": [null,90,null,null,null,null,null])"));
   const FoldAngles valley = {{{0, 1}, 90 * kDegree}, {{1, 0}, 90 * kDegree}};
   EXPECT_EQ(read(folder.path() / "a.fold").foldAngles, valley);
-  // Whatever the start is folded by.
-  folder.write("b.fold", standingSquares(R"("edges_assignment": ["B","M","B"],
+  // For any fold of the start.
+  folder.write("b.fold", uprightSquares(R"("edges_assignment": ["B","M","B"],
       "edges_foldAngle": [null,-30,null])"));
-  const model::Model standing = read(folder.path() / "b.fold");
-  EXPECT_FALSE(standing.target);
+  const model::Model upright = read(folder.path() / "b.fold");
+  EXPECT_FALSE(upright.target);
   const FoldAngles mountain = {{{0, 1}, -30 * kDegree}, {{1, 0}, -30 * kDegree}};
-  EXPECT_EQ(standing.foldAngles, mountain);
+  EXPECT_EQ(upright.foldAngles, mountain);
   // Written again too.
-  model::writeModel(standing, folder.path() / "c.fold");
+  model::writeModel(upright, folder.path() / "c.fold");
   EXPECT_NEAR(read(folder.path() / "c.fold").foldAngles.at({0, 1}), -30 * kDegree, 1e-15);
   EXPECT_NE(test::bytesOf(folder.path() / "c.fold").find("\"M\""), std::string::npos);
   for (const char* unfolded :
        {R"("edges_foldAngle": [null,null,null])",
         R"("edges_assignment": ["B","C","B"], "edges_foldAngle": [0,90,0])",
         R"("edges_assignment": ["B","J","B"], "edges_foldAngle": [0,90,0])"}) {
-    folder.write("d.fold", standingSquares(unfolded));
+    folder.write("d.fold", uprightSquares(unfolded));
     EXPECT_TRUE(read(folder.path() / "d.fold").foldAngles.empty()) << unfolded;
   }
 }

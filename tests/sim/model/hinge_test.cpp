@@ -57,8 +57,8 @@ std::vector<model::HingeSpring> springsAt(const model::FoundHinges& found, doubl
   return springs;
 }
 
-// Each hinge of rotating squares opens by the sheet's angle, so that n hinges hold
-// n k (angle - rest)^2 / 2 and pull with k (rest - angle) each.
+// Each hinge of rotating squares opens by the sheet's angle. n hinges therefore hold n k (angle -
+// rest)^2 / 2 and pull with k (rest - angle) each.
 TEST(Hinges, OfRotatingSquaresOpenByTheSheetsAngle) {
   for (const bool planar : {true, false}) {
     for (const double start : {0.0, 0.3, 1.2}) {
@@ -98,12 +98,12 @@ TEST(Hinges, OfJointsListedFaceByFaceAreTheSame) {
   }
   const Sheet whole(squares(3, 0.3)), sheet(listed);
   for (const bool planar : {true, false}) {
-    const model::FoundHinges wanted = whole.hinges(planar), found = sheet.hinges(planar);
-    ASSERT_EQ(found.hinges.size(), wanted.hinges.size()) << planar;
+    const model::FoundHinges expected = whole.hinges(planar), found = sheet.hinges(planar);
+    ASSERT_EQ(found.hinges.size(), expected.hinges.size()) << planar;
     for (std::size_t k = 0; k < found.hinges.size(); ++k) {
-      EXPECT_EQ(found.hinges[k].cornerA, wanted.hinges[k].cornerA);
-      EXPECT_NEAR(found.hinges[k].start, wanted.hinges[k].start, 1e-12);
-      EXPECT_NEAR(found.hinges[k].most, wanted.hinges[k].most, 1e-12);
+      EXPECT_EQ(found.hinges[k].cornerA, expected.hinges[k].cornerA);
+      EXPECT_NEAR(found.hinges[k].start, expected.hinges[k].start, 1e-12);
+      EXPECT_NEAR(found.hinges[k].most, expected.hinges[k].most, 1e-12);
     }
   }
 }

@@ -1,4 +1,4 @@
-// Files with slips: each is read as what was meant, told in one line, refused by --strict.
+// Files with clear errors: each is repaired with one line of report, and refused by --strict.
 #include <cmath>
 #include <functional>
 #include <map>
@@ -128,7 +128,7 @@ TEST(Repair, StrictRefusesWithAdvice) {
           .error,
       "@/constraints.txt: error: tiles and vertices of all 1 joints count from 1, not from 0; "
       "subtract 1 from all tile and vertex numbers, or remove `strict` to have it repaired");
-  // What needs no mending passes.
+  // Files without errors pass.
   EXPECT_EQ(
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n"}}, "", strict)
           .error,
@@ -219,7 +219,7 @@ TEST(Repair, CoincidingCornersOfRoundedMeshesAreJoined) {
 }
 
 TEST(Repair, PairsWithJointsOfFourColumnsArePlanar) {
-  // Triangles alone: six numbers are no tile in space.
+  // Only triangles: six numbers are no tile in space.
   Reading read = readFiles(
       {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "1 2 2 1\n"}}, "");
   ASSERT_EQ(read.model.tiles.size(), 2U);

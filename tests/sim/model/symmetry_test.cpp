@@ -35,15 +35,15 @@ Matrix3 product(const model::Symmetry& a, const model::Symmetry& b) {
 }
 
 /// Neighbouring squares turn in opposite senses, and a reflection reverses each sense. A symmetry
-/// of the open sheet takes neighbours of one sense to those, so that an odd sheet has its quarter
-/// turns, and an even one the reflections that exchange both.
+/// of the open sheet maps neighbours of one sense to neighbours of one sense. An odd sheet
+/// therefore has its quarter turns, and an even one the reflections that exchange both senses.
 TEST(Symmetry, RotatingSquaresHaveTheIsometriesThatKeepEachSense) {
   EXPECT_EQ(model::symmetriesOf(sheet(3, 3)).size(), 4u);
   EXPECT_EQ(model::symmetriesOf(sheet(4, 4)).size(), 4u);
   EXPECT_EQ(model::symmetriesOf(sheet(4, 3)).size(), 2u);
 }
 
-TEST(Symmetry, AClosedSheetAloneHasThoseOfItsOutlineThatKeepItsJoints) {
+TEST(Symmetry, AClosedSheetHasThoseOfItsOutlineThatKeepItsJoints) {
   model::Model model = sheet(3, 3);
   model.target.reset();
   for (const model::Symmetry& symmetry : model::symmetriesOf(model)) {
@@ -63,7 +63,7 @@ TEST(Symmetry, TheIsometriesAreAGroup) {
   }
 }
 
-TEST(Symmetry, ATileOutOfPlaceLeavesTheIdentityAlone) {
+TEST(Symmetry, WithADisplacedTileOnlyTheIdentityRemains) {
   model::Model model = sheet(3, 3);
   for (Vector3& vertex : model.tiles.front().vertices) vertex.x() += 1e-6;
   EXPECT_EQ(model::symmetriesOf(model).size(), 1u);

@@ -99,8 +99,8 @@ TEST(Tessellation, MatchesThePublishedTenByTen) {
   for (size_t i = 0; i < 100; ++i) {
     EXPECT_EQ(ours.tiles[i].vertices, theirs.tiles[i].vertices);
     for (size_t k = 0; k < 4; ++k) {
-      const Vector3 wanted = (*theirs.target)[i].vertices[k];
-      worst = std::max(worst, ((*ours.target)[i].vertices[k] - wanted).norm());
+      const Vector3 expected = (*theirs.target)[i].vertices[k];
+      worst = std::max(worst, ((*ours.target)[i].vertices[k] - expected).norm());
     }
   }
   EXPECT_LT(worst, 1e-13);  // measured 6e-15

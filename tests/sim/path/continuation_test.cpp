@@ -53,7 +53,7 @@ TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
   }
 }
 
-TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
+TEST(Continuation, IsPlayedAtAnEvenPaceForItsTime) {
   scene::Scene scene = cylinder();
   scene.path.playTime = 3;
   const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
@@ -196,8 +196,8 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
   EXPECT_EQ(often.trajectory.samples.back().time, seldom.trajectory.samples.back().time);
 }
 
-/// At full extension rotating squares stand corner to corner, their diagonals in two lines.
-/// The squares stand corner to corner then, turned by 45 degrees.
+/// At full extension rotating squares are corner to corner, turned by 45 degrees, with their
+/// diagonals in two lines.
 TEST(Continuation, WithoutATargetEndsAtFullExtension) {
   for (const int side : {4, 10, 40}) {
     model::TessellationShape shape;
@@ -293,11 +293,12 @@ TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
 TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
   scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
-  const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * model::tileSize(scene.model);
-  const bool isSaid = std::ranges::any_of(run.warnings, [](const std::string& warning) {
+  const bool isCollisionFree =
+      run.accuracy.penetrationGrownMax <= 1e-4 * model::tileSize(scene.model);
+  const bool isReported = std::ranges::any_of(run.warnings, [](const std::string& warning) {
     return warning.starts_with("tiles overlap by up to ");
   });
-  EXPECT_NE(isClear, isSaid);
+  EXPECT_NE(isCollisionFree, isReported);
 }
 
 /// Two squares side by side that are joined at a corner; in the target one lies across the other.
@@ -324,7 +325,7 @@ TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
   EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1);
 }
 
-/// A target whose upper half is moved away, so that the tiles there cannot hang together.
+/// A target whose upper half is moved away. Joints cannot be closed there.
 scene::Scene openTargetSquares(double distance) {
   model::Model model = model::makeTessellation({});
   for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
@@ -442,8 +443,8 @@ TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
                                 testing::Not(testing::HasSubstr("`thickness")))));
 }
 
-/// Two equal sheets and a loose tile: each sheet ends as it does alone, the tile stays.
-TEST(Continuation, ExtendsEachPieceAsIfItWereAlone) {
+/// Two equal sheets and a loose tile: each sheet ends as without the others, and the tile stays.
+TEST(Continuation, ExtendsEachPieceIndependently) {
   model::Model one = model::makeTessellation({});
   one.target.reset();
   const std::size_t count = one.tiles.size();
@@ -465,15 +466,15 @@ TEST(Continuation, ExtendsEachPieceAsIfItWereAlone) {
     EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
     return run.trajectory.samples.back().poses;
   };
-  const Poses alone = end(one), together = end(all);
+  const Poses single = end(one), together = end(all);
   const auto distance = [](const Poses& poses, std::size_t a, std::size_t b) {
     return (poses[a].position - poses[b].position).norm();
   };
   const double tile = model::tileSize(one);
   for (std::size_t i = 0; i < count; ++i) {
     // Measured: 1e-8; a path to full extension ends where it hardly grows.
-    EXPECT_NEAR(distance(together, 0, i), distance(alone, 0, i), 1e-6 * tile);
-    EXPECT_NEAR(distance(together, count, count + i), distance(alone, 0, i), 1e-6 * tile);
+    EXPECT_NEAR(distance(together, 0, i), distance(single, 0, i), 1e-6 * tile);
+    EXPECT_NEAR(distance(together, count, count + i), distance(single, 0, i), 1e-6 * tile);
   }
   const std::vector<model::Brick> bricks = model::makeBricks(all.tiles, sceneOf(all).brick);
   EXPECT_LE((model::bottomTiles(bricks, together).back().vertices[0] - all.tiles.back().vertices[0])
@@ -522,7 +523,7 @@ bool isAnnounced(const run::DeploymentResult& run) {
   });
 }
 
-/// What is promised of a default deployment, whatever the model.
+/// Guarantees of a default deployment of any model.
 void expectPromisesKept(const scene::Scene& scene, const run::DeploymentResult& run,
                         const std::string& name) {
   const double tile = model::tileSize(scene.model);

@@ -24,8 +24,8 @@ using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-/// From one closed state of the rotating squares to the other: every tile comes back to the height
-/// that it left, so that a straight pull first has to pull away from the target.
+/// From one closed state of the rotating squares to the other: every tile returns to its initial
+/// height, so a straight pull must first move away from the target.
 scene::Scene closedToClosed() {
   scene::Scene scene;
   model::TessellationShape shape;
@@ -67,7 +67,7 @@ TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
   EXPECT_NEAR(result.accuracy.targetErrorEnd, nearest.restError, 1e-4 * nearest.restError);  // 4e-7
 }
 
-TEST(AssembledError, OfATornTargetIsNotAboveTheRunsEnd) {
+TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
   // Half of the sheet's tiles are 1 m off at the target: the state of rest shares that in squares,
   // and leaves the tiles at the tear farther off than the rest.
   scene::Scene scene;
@@ -247,26 +247,26 @@ TEST(Path, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
 }
 
 /// How a path with contacts ended.
-run::TrialEnd endAmongBricks(double error, bool keepsClear) {
+run::TrialEnd endAmongBricks(double error, bool isCollisionFree) {
   run::TrialEnd end;
-  end.keepsClear = keepsClear;
+  end.isCollisionFree = isCollisionFree;
   end.error = error;
   return end;
 }
 
-TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
+TEST(Path, TakesTheNearestPathIfBricksBlock) {
   const scene::Scene scene = flatToCap();
-  // As if the first way to arrive had been the third, with compliant joints, and then six had not,
-  // the fourth for overlaps.
+  // As if the third trial had arrived, with compliant joints, and the next six had not, the fourth
+  // of them because of overlaps.
   std::vector<run::TrialEnd> trials(3);
   trials.back().arrives = true;
-  for (const auto& [error, keepsClear] : {std::pair(0.5, true),
-                                          {0.3, true},
-                                          {0.2, true},
-                                          {0.1, false},
-                                          {0.1999, true},
-                                          {0.4, true}}) {
-    trials.push_back(endAmongBricks(error, keepsClear));
+  for (const auto& [error, isCollisionFree] : {std::pair(0.5, true),
+                                               {0.3, true},
+                                               {0.2, true},
+                                               {0.1, false},
+                                               {0.1999, true},
+                                               {0.4, true}}) {
+    trials.push_back(endAmongBricks(error, isCollisionFree));
   }
   const path::PathChoice choice = choose(scene, roomAt(0, true), {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
@@ -277,10 +277,11 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
             "joints comes nearest with contacts");
 }
 
-TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
+TEST(Path, ReportsButDoesNotTakeWideOpenJoints) {
   const scene::Scene scene = flatToCap();
   const double tile = model::tileSize(scene.model);
-  // As if one way had arrived among bricks, and another come near, and none among thinner ones.
+  // As if one trial with contacts had arrived and another had come near, but none with thinner
+  // bricks.
   std::vector<run::TrialEnd> trials(13);
   trials.front().arrives = true;
   trials[4] = endAmongBricks(0, true);
@@ -300,8 +301,8 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
   EXPECT_THAT(trials, SizeIs(13));
 }
 
-TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
-  // As above, but no way keeps bricks apart.
+TEST(Path, KeepsExactJointsIfBricksBlockAnyway) {
+  // As above, but all trials have overlaps.
   std::vector<run::TrialEnd> trials(9);
   trials[2].arrives = true;
   const path::PathChoice choice = choose(flatToCap(), roomAt(0, true), {}, trials);
@@ -318,9 +319,9 @@ scene::Scene cubeToSphere() {
   return scene;
 }
 
-TEST(Path, JointsGiveWhereBricksWedge) {
+TEST(Path, TakesCompliantJointsIfBricksJam) {
   const scene::Scene scene = cubeToSphere();
-  // As if all ways with exact joints had wedged.
+  // As if all trials with exact joints had jammed.
   std::vector<run::TrialEnd> trials(4);
   trials.front().arrives = true;
   const path::PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
@@ -474,7 +475,7 @@ TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
   EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
   EXPECT_THAT(choice.reason, HasSubstr("stopped"));
   EXPECT_THAT(choice.reason, HasSubstr(": search budget spent; raise `search_effort`)"));
-  // Of the same work, whatever the machine does beside.
+  // The work is the same for any load of the machine.
   std::vector<run::TrialEnd> again;
   run::SearchBudget same(8e6);
   path::choosePath(scene, roomAt(0, false), same, {}, again);

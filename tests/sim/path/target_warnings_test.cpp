@@ -48,14 +48,14 @@ TEST(TargetWarnings, NoneWhereTheTargetFits) {
   EXPECT_EQ(path::reachWarning(sheet(), run::assembleAtTarget(sheet())), "");
 }
 
-TEST(TargetWarnings, ATornTargetIsTold) {
+TEST(TargetWarnings, ATargetWithOpenJointsIsReported) {
   EXPECT_THAT(
       path::targetWarnings(openTargetSheet(1)),
       ElementsAre("the target opens its joints by 1 m (1 tiles); closed joints cannot reach it"));
   EXPECT_THAT(path::targetWarnings(openTargetSheet(1e-4)), IsEmpty());
 }
 
-TEST(TargetWarnings, ATurnedOverTargetIsToldAndLeavesThePlane) {
+TEST(TargetWarnings, ATurnedOverTargetIsReportedAndLeavesThePlane) {
   const scene::Scene scene = mirroredSheet();
   EXPECT_THAT(
       path::targetWarnings(scene),
@@ -81,7 +81,7 @@ TEST(TargetWarnings, TilesOfOtherShapesAreOutOfReach) {
                        "cannot come nearer than 0.354 m (0.35 tiles)"));
 }
 
-TEST(TargetWarnings, AMovedStartIsToldWhereItsPlaceCounts) {
+TEST(TargetWarnings, AMovedStartIsReportedIfItsPositionMatters) {
   scene::Scene scene = sheet();
   scene.alignment.moved = 2;
   EXPECT_THAT(path::targetWarnings(scene), IsEmpty());
@@ -90,20 +90,20 @@ TEST(TargetWarnings, AMovedStartIsToldWhereItsPlaceCounts) {
               ElementsAre(StartsWith("the start was moved by up to 2 m")));
 }
 
-TEST(TargetWarnings, ARunToATornTargetSaysSoAtItsBeginningAndDoesNotClaimToArrive) {
-  std::vector<std::string> told;
+TEST(TargetWarnings, ARunToATargetWithOpenJointsWarnsAtItsStartAndDoesNotArrive) {
+  std::vector<std::string> issued;
   const run::DeploymentResult result =
-      deploy::deploy(openTargetSheet(1), 1.0 / 60, nullptr, [&told](const run::SearchNews& news) {
-        if (!news.warning.empty()) told.push_back(news.warning);
+      deploy::deploy(openTargetSheet(1), 1.0 / 60, nullptr, [&issued](const run::SearchNews& news) {
+        if (!news.warning.empty()) issued.push_back(news.warning);
         return true;
       });
   EXPECT_THAT(
-      told,
+      issued,
       ElementsAre(
           StartsWith("the target opens its joints"),
           StartsWith(
               "the target is out of reach: the nearest state found with closed joints is 0.5")));
-  EXPECT_EQ(result.warnings, told);
+  EXPECT_EQ(result.warnings, issued);
   EXPECT_EQ(result.outcome, run::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("short of the target: no nearer state with closed joints"));
   EXPECT_THAT(result.pathReason, HasSubstr("reaches the nearest known state with closed joints"));

@@ -8,7 +8,7 @@ namespace {
 
 using test::kStep;
 
-/// Tells steps of one length from time 0 on.
+/// Reports steps of one length from time 0 on.
 class Observer {
  public:
   explicit Observer(run::AdaptiveStiffness& stiffness, double step = kStep)
@@ -46,7 +46,8 @@ TEST(AdaptiveStiffness, CountsTimeNotSteps) {
   EXPECT_EQ(stiffness.factor(), 2);
 }
 
-/// When the stiffness doubles for an error of exp(-t^2) down to exp(-1/4), told in such steps.
+/// When the stiffness doubles for an error of exp(-t^2) down to exp(-1/4), reported in steps of
+/// this length.
 double momentOfDoubling(double step) {
   run::AdaptiveStiffness stiffness(true);
   stiffness.observe(1, 0, 0);

@@ -32,7 +32,7 @@ struct Killed : std::runtime_error {
 /// How a process ends before its run does.
 enum class Ending { Asked, Killed };
 
-/// One process that deploys, or goes on with deploying, and ends at its sample of this number.
+/// One process that starts or continues a deployment and ends at its sample with this number.
 run::DeploymentResult runProcess(const scene::Scene& scene, const fs::path& folder,
                                  std::size_t lastSample, Ending ending,
                                  std::string* found = nullptr) {
@@ -140,11 +140,11 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
     scene.solver.planar = planar;
     scene.solver.tolerance = tolerance;
     const run::DeploymentResult undisturbed = deployWhole(scene);
-    scene::Scene alone = scene;
-    alone.environment.contacts = scene::ContactFilter::None;
+    scene::Scene withoutContacts = scene;
+    withoutContacts.environment.contacts = scene::ContactFilter::None;
     // The bricks stop each other: metres, measured below and the thickness, 0.02.
     EXPECT_LT(undisturbed.accuracy.penetrationOutsidePivotsMax, 1e-3);
-    EXPECT_GT(deployWhole(alone).accuracy.penetrationOutsidePivotsMax, 0.015);
+    EXPECT_GT(deployWhole(withoutContacts).accuracy.penetrationOutsidePivotsMax, 0.015);
     expectResumedAt({3, 6, 11}, scene, undisturbed);
   }
 }
@@ -301,7 +301,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   const fs::path folder = scratch / "checkpoint";
   {
     run::Checkpoints checkpoints(folder, "this order");
-    // The first look is over, the straight path has been tried; amid the next it is asked to end.
+    // The straight path has been tried. The interruption comes during the next check.
     int samplesGuided = 0;
     deploy::deployUnkept(
         scene, kInterval, [](const trajectory::Sample&) { return true; },
@@ -371,8 +371,8 @@ class LeftCheckpoint : public testing::Test {
     ASSERT_TRUE(fs::exists(folder_ / "samples_00005.h5"));
   }
 
-  /// Expects that a run starts anew, and is told why.
-  void expectStartAnew(const std::string& why) {
+  /// Expects that a run starts from the beginning and reports the reason.
+  void expectRestart(const std::string& why) {
     std::string found;
     const run::DeploymentResult result =
         runProcess(scene_, folder_, kNoLast, Ending::Asked, &found);
@@ -427,12 +427,12 @@ TEST_F(LeftCheckpoint, ThatIsDamagedAnywhereIsNotUsed) {
 
 TEST_F(LeftCheckpoint, ThatIsCutShortIsNotUsed) {
   fs::resize_file(folder_ / "state.h5", 100);
-  expectStartAnew(damaged_);
+  expectRestart(damaged_);
 }
 
 TEST_F(LeftCheckpoint, WithoutAllOfItsSamplesIsNotUsed) {
   fs::remove(folder_ / "samples_00002.h5");
-  expectStartAnew(damaged_);
+  expectRestart(damaged_);
 }
 
 TEST_F(LeftCheckpoint, OfAnotherOrderIsNotUsed) {

@@ -122,19 +122,19 @@ double tiltOnBrick(double shift, double thickness, const Layout& layout = {}) {
 TEST(BrickOnBrick, TipsOverTheEdgeAsSoonAsItsCentreIsBeyond) {
   for (const double thickness : {0.05, 0.2, 0.5, 1.0}) {
     for (const double shift : {0.1, 0.45, 0.495, 0.505, 0.52, 0.55, 0.6, 0.7, 0.8, 0.9}) {
-      const double wanted = shift < 0.5 ? 0 : tippedAngle(shift - 0.5, thickness, 0.2);
-      EXPECT_NEAR(tiltOnBrick(shift, thickness), wanted, shift < 0.5 ? 1e-9 : 5e-3)
+      const double expected = shift < 0.5 ? 0 : tippedAngle(shift - 0.5, thickness, 0.2);
+      EXPECT_NEAR(tiltOnBrick(shift, thickness), expected, shift < 0.5 ? 1e-9 : 5e-3)
           << shift << " " << thickness;
     }
   }
 }
 
 TEST(BrickOnBrick, TipsTheSameInFixedStepsInAnyDirectionOrderAndUnit) {
-  const double wanted = tippedAngle(0.1, 0.5, 0.2);
+  const double expected = tippedAngle(0.1, 0.5, 0.2);
   for (const Layout& layout :
        {Layout{.tolerance = 0}, Layout{.turn = 0.7}, Layout{.turn = -2.2}, Layout{.unit = 1e-3},
         Layout{.unit = 1e3}, Layout{.isReversed = true}}) {
-    EXPECT_NEAR(tiltOnBrick(0.6, 0.5, layout), wanted, layout.tolerance > 0 ? 3e-3 : 2e-2);
+    EXPECT_NEAR(tiltOnBrick(0.6, 0.5, layout), expected, layout.tolerance > 0 ? 3e-3 : 2e-2);
     EXPECT_NEAR(tiltOnBrick(0.4, 0.5, layout), 0, 1e-6);
   }
 }
@@ -190,9 +190,9 @@ TEST(SpinningPlate, IsBrakedAsByAnEvenPressure) {
       const std::size_t brick = isOnBrick ? 1 : 0;
       plate.motion.velocities[brick].angular.z() = 5;
       plate.run(90);
-      const double wanted =
+      const double expected =
           25 * (1 + width * width) / 12 / (2 * 0.4 * kGravity * meanArm(1, width));
-      EXPECT_NEAR(plate.spin(brick), wanted, 3e-4 * wanted) << width << isOnBrick;
+      EXPECT_NEAR(plate.spin(brick), expected, 3e-4 * expected) << width << isOnBrick;
       EXPECT_LT(plate.motion.poses[brick].position.head<2>().norm(), 1e-6);
     }
   }

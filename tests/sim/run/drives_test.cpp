@@ -27,8 +27,8 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const model::Load& load = loads[i];
-    const Vector3 wanted = 3 * (poses[i].position - centre);
-    EXPECT_LT((load.force.head<3>() - wanted).norm(), 1e-14);
+    const Vector3 expected = 3 * (poses[i].position - centre);
+    EXPECT_LT((load.force.head<3>() - expected).norm(), 1e-14);
     EXPECT_EQ(Vector3(load.force.head<3>()), forces[i]);
     EXPECT_TRUE(load.force.tail<3>().isZero(0));
     EXPECT_TRUE(load.stiffness.isZero(0));

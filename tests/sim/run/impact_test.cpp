@@ -51,9 +51,9 @@ struct Falling : Moving {
   }
   /// How far the brick is from a place of its centre and a turn about y.
   double error(const Vector3& centre, double turn) const {
-    const Quaternion wanted = rotationFromVector(Vector3(0, turn, 0));
+    const Quaternion expected = rotationFromVector(Vector3(0, turn, 0));
     return (motion.poses[0].position - centre).norm() +
-           turnBetween(wanted, motion.poses[0].rotation).norm();
+           turnBetween(expected, motion.poses[0].rotation).norm();
   }
 
   StepReport report;
@@ -236,8 +236,8 @@ TEST(Impact, BrickSlidesToRest) {
       for (int call = 0; call < 60; ++call) {
         brick.advance();
         const double time = std::min(brick.time, end);
-        const double way = kSpeed * time - 0.5 * kFriction * kGravity * time * time;
-        error = std::max(error, brick.error(start + Vector3(way, 0, 0), 0));
+        const double moved = kSpeed * time - 0.5 * kFriction * kGravity * time * time;
+        error = std::max(error, brick.error(start + Vector3(moved, 0, 0), 0));
       }
       EXPECT_LT(error, 10 * tolerance) << tolerance;  // measured 0.015 to 0.19 times
       EXPECT_LT(brick.motion.velocities[0].linear.norm(), 1e-12);

@@ -48,7 +48,7 @@ TEST(Rest, AnArrivedSheetIsAtRest) {
   EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
 }
 
-TEST(Rest, TimeThatIsUpIsToldWithPlaceAndSpeed) {
+TEST(Rest, TheEndOfTimeIsReportedWithDistanceAndSpeed) {
   scene::Scene scene = sheet();
   scene.stop.duration = 0.1;
   const run::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
@@ -76,7 +76,7 @@ scene::Scene immobile() {
   return scene;
 }
 
-TEST(Rest, ASheetWithoutFreedomIsToldSo) {
+TEST(Rest, ASheetWithoutFreedomIsReported) {
   const run::DeploymentResult result = deploy::deploy(immobile(), 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("(0 degrees of freedom)")) << result.reason;

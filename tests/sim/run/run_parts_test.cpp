@@ -28,7 +28,7 @@ scene::Scene ledSheet() {
 
 // ------------------------------------------------------------------------------------------------
 
-TEST(StepClock, CountsLooksWithoutGatheringRounding) {
+TEST(StepClock, CountsChecksWithoutRoundingDrift) {
   run::StepClock clock(0.1);
   for (int k = 0; k < 1'000'000; ++k) {
     clock.beginStep(INFINITY);
@@ -37,7 +37,7 @@ TEST(StepClock, CountsLooksWithoutGatheringRounding) {
   EXPECT_EQ(clock.time(), 100'000);  // a sum of tenths is off by 1.3e-6
 }
 
-TEST(StepClock, EndsAStepWhereSomethingIsDueAndTheNextAtItsLook) {
+TEST(StepClock, EndsAStepAtADueEventAndTheNextAtItsCheck) {
   run::StepClock clock(0.1);
   clock.beginStep(0.03);
   EXPECT_EQ(clock.length(), 0.03);
@@ -49,7 +49,7 @@ TEST(StepClock, EndsAStepWhereSomethingIsDueAndTheNextAtItsLook) {
   EXPECT_EQ(clock.time(), 0.1);
 }
 
-TEST(StepClock, TakesWhatIsDueAtALookButForRoundingAsDueThere) {
+TEST(StepClock, TreatsEventsDueAtACheckUpToRoundingAsDue) {
   run::StepClock clock(0.1);
   clock.beginStep(0.1 - 1e-9);
   EXPECT_EQ(clock.length(), 0.1);
@@ -60,13 +60,13 @@ TEST(StepClock, TakesWhatIsDueAtALookButForRoundingAsDueThere) {
   EXPECT_FALSE(clock.isAhead(0.1 - 1e-6));
 }
 
-TEST(StepClock, StopsAtTheLookThatIsNearestToTheEnd) {
+TEST(StepClock, StopsAtTheCheckNearestToTheEnd) {
   run::StepClock clock(0.1);
   EXPECT_TRUE(clock.isBefore(0.06));
   EXPECT_FALSE(clock.isBefore(0.04));
   clock.beginStep(0.03);
   clock.endStep();
-  EXPECT_TRUE(clock.isBefore(0.04)) << "a look that was begun is made to its end";
+  EXPECT_TRUE(clock.isBefore(0.04)) << "a started interval is completed";
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -157,8 +157,8 @@ TEST(RunDrive, AStraightPullSettlesFromTheStart) {
   EXPECT_EQ(phases[0].first, run::Phase::Settle);
 }
 
-// The sample at the end of opening shows the state that the expansion led to, in which no spring
-// to the target has pulled yet.
+// The sample at the end of opening shows the state after the expansion, in which no spring to the
+// target has pulled yet.
 TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
   scene::Scene scene = ledSheet();
   scene.environment.contacts = scene::ContactFilter::None;
@@ -184,7 +184,7 @@ TEST(Timelines, AResetLeavesAnotherTargetBehind) {
   const auto& samples = run.trajectory.samples;
   EXPECT_GT((samples[1].poses[0].position - samples[0].poses[0].position).norm(), 0.01);
   const Poses& end = samples.back().poses;
-  // The nudge alone, undamped.
+  // Only the perturbation, undamped.
   EXPECT_LT((end[0].position - samples[0].poses[0].position).norm(), 1e-4);  // measured 1e-5
 }
 

@@ -60,7 +60,7 @@ TEST(TargetSprings, ForceIsMinusTheEnergysSlope) {
 }
 
 TEST(TargetSprings, StiffnessIsTheForcesSlopeNearTheTarget) {
-  // Symmetric part alone: the rest comes from turning the axes of a rotation vector.
+  // Only the symmetric part. The rest comes from the rotating axes of a rotation vector.
   const SpringScene scene(0.9);
   const auto force = [&](const Vector6& by) -> Vector6 {
     return scene.springs.load(0, SpringScene::displaced(by), 1).force;
@@ -201,7 +201,7 @@ double freeSwing(double w, double zeta, double time) {
 }
 
 TEST(TargetSprings, SwingABrickWithTheirFrequencyAndDecay) {
-  // Whatever the brick's mass. Turning has the rate of decay of moving, and the frequency that
+  // For any mass of the brick. Turning has the rate of decay of moving, and the frequency that
   // springs at the vertices give: w^2 sum |p'|^2 / n over the square of the radius of gyration,
   // which for n corners on a circle of radius r is r^2 (2 + cos(2 pi / n)) / 6.
   const scene::TargetSpringSettings settings{.frequency = 2.5, .dampingRatio = 0.1};

@@ -12,7 +12,7 @@ using namespace scene::timeline;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// Notes what it is told to do.
+/// Records its calls.
 struct NotingStage : run::TimelineStage {
   void setPinned(const std::vector<bool>& pinned) override {
     done.push_back("pinned " + std::to_string(std::count(pinned.begin(), pinned.end(), true)));
@@ -82,7 +82,7 @@ TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
   EXPECT_FALSE(runner.forcesAreOn());
   view.atTarget = true;
   EXPECT_TRUE(runner.carryOut(view, stage, events));
-  EXPECT_TRUE(runner.forcesAreOn());  // a reset begins anew
+  EXPECT_TRUE(runner.forcesAreOn());  // a reset starts again
   EXPECT_THAT(stage.done, ElementsAre("pinned 0", "reset"));
 }
 

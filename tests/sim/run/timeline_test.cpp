@@ -38,7 +38,7 @@ double largestMove(const Poses& a, const Poses& b) {
 }
 
 TEST(Drives, ExpansionOpensASheetToItsGeometricLimit) {
-  // Rotating squares are widest half way round, each tile turned by 45 degrees from closed.
+  // Rotating squares are widest at half of their range, each tile turned by 45 degrees from closed.
   for (const std::optional<bool> planar : {std::optional<bool>{}, std::optional<bool>{false}}) {
     scene::Scene scene = sheetScene();
     scene.model.target.reset();
@@ -67,7 +67,7 @@ TEST(Drives, BoundarySpringsOpenASheet) {
   EXPECT_GT(std::abs(turnOf(end[1]) - turnOf(end[0])) + 0.3, 1.3);  // measured 1.380
 }
 
-TEST(Drives, NoneLeavesTheSheetAlone) {
+TEST(Drives, NoneDoesNotMoveTheSheet) {
   scene::Scene scene = sheetScene();
   scene.actuation.drive = scene::Drive::None;
   scene.stop.duration = 1;
@@ -202,7 +202,7 @@ TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
     EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
     ends.push_back(result.trajectory.samples.back().time);
   }
-  // Measured 1.1e-3 s apart; the run is looked at every 1/120 to 1/20 s.
+  // Measured 1.1e-3 s apart; the run is checked every 1/120 to 1/20 s.
   for (const double end : ends) EXPECT_NEAR(end, ends.front(), 3e-3);
 }
 

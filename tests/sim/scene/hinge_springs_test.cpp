@@ -117,7 +117,7 @@ TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
   expectWidths([](int) { return 0.1; });
 }
 
-TEST_F(HingeSpringsOfAScene, MayBeAtSomeHingesAlone) {
+TEST_F(HingeSpringsOfAScene, MayBeAtOnlySomeHinges) {
   const std::vector<model::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].rest, 30 * kDegree, 1e-12);
@@ -173,8 +173,8 @@ model::HingeSpring springOf(const scene::Scene& scene) {
   return springs.at(0);
 }
 
-// They rest as the hinge stands at the target, to which the same angle folds the sheet, whichever
-// way round the file lists the faces.
+// They rest at the hinge's angle at the target. The same angle folds the sheet there, for either
+// orientation of the faces in the file.
 TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
   const test::TemporaryFolder folder;
   for (const char* faces : {"[[0,1,4,5],[1,2,3,4]]", "[[0,1,4,5],[4,3,2,1]]",
@@ -280,8 +280,8 @@ TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   for (const model::HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
 }
 
-// Panels that touch at corners alone have no hinges, which is no mistake.
-TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
+// Panels that touch only at corners have no hinges, which is no error.
+TEST_F(HingeSpringsOfAScene, NeedNoHingesIfOnlyTiles) {
   use(model::JointFace::Bottom);
   scene_.hinges.panels = scene::PanelMaterial{1e9, 0.3, 0.1};
   EXPECT_TRUE(springs().empty());

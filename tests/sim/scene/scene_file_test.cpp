@@ -104,7 +104,7 @@ quit = true
   EXPECT_EQ(drag.seconds, 3);
   EXPECT_EQ(drag.stiffness, 7);
   EXPECT_EQ(drag.damping, 50);
-  // Files are beside the scene file; no moment means at once.
+  // Files are relative to the scene file. No time means immediately.
   EXPECT_EQ(std::get<GoTo>(timeline[6].action).file, folder_ / "half.txt");
   EXPECT_EQ(timeline[6].when.kind, scene::Trigger::Kind::After);
   EXPECT_EQ(timeline[6].when.value, 0);

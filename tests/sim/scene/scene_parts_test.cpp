@@ -70,7 +70,7 @@ TEST_F(ScenePartsTest, PinsFixedPairsAndLinksAreAdded) {
   EXPECT_EQ(scene::actionName(scene_.timeline[0].action), "pin");
 }
 
-/// The largest distance of a tile's vertices from where it is wanted.
+/// The largest distance of a tile's vertices from their expected positions.
 double targetDistance(const model::Model& model, int tile) {
   double largest = 0;
   for (std::size_t k = 0; k < model.tiles[tile].vertices.size(); ++k) {

@@ -73,7 +73,7 @@ TEST(Settings, ChangeNothingButTheirOwn) {
   }
 }
 
-TEST(Settings, OfDynamicsAreToldWhereTheyAreNotUsual) {
+TEST(Settings, OfDynamicsAreReportedUnlessDefault) {
   EXPECT_EQ(scene::whyDynamics(scene::Scene{}), "");
   EXPECT_EQ(scene::whyDynamics(scene::openScene()), "");
   for (const scene::Setting& setting : allSettings()) {

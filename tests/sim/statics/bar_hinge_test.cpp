@@ -219,19 +219,19 @@ PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
           static_cast<int>((values.array() < 0).count())};
 }
 
-// Steps that only look for any equilibrium jump to a branch of 450 times the energy here.
+// Steps that search for any equilibrium jump to a branch of 450 times the energy here.
 TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
   for (const double fold : {0.1, 0.02}) {
     const Waterbomb bomb(fold);
-    const PlainEnd wanted = plainNewton(bomb.sheet());
+    const PlainEnd expected = plainNewton(bomb.sheet());
     for (const int states : {1, 60}) {
       const mechanics::LoadPath path =
           mechanics::followLoad(bomb.sheet(), 0, {.leastStates = states}, {});
       ASSERT_TRUE(path.arrives) << path.trouble;
       const mechanics::Equilibrium& end = path.states.back();
-      EXPECT_NEAR(end.energy, wanted.energy, 1e-7 * wanted.energy) << fold;
-      EXPECT_NEAR(end.forces[0], wanted.force, 1e-6 * std::abs(wanted.force)) << fold;
-      EXPECT_EQ(end.unstableModes, wanted.negatives);
+      EXPECT_NEAR(end.energy, expected.energy, 1e-7 * expected.energy) << fold;
+      EXPECT_NEAR(end.forces[0], expected.force, 1e-6 * std::abs(expected.force)) << fold;
+      EXPECT_EQ(end.unstableModes, expected.negatives);
     }
   }
 }

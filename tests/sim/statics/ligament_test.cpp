@@ -16,7 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A ligament between two bricks at given places and turns.
+/// A ligament between two bricks at given positions and rotations.
 struct Two {
   model::Ligament ligament{
       .pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
@@ -248,9 +248,10 @@ std::vector<statics::Grip> squeeze(const LigamentSheet& sheet, int side, double 
   return grips;
 }
 
-// The energy written anew in complex numbers: tiles are (z, phi), a point is z + r e^(i phi).
-double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places,
-                  const std::vector<double>& turns) {
+// An independent form of the energy in complex numbers: tiles are (z, phi), a point is z + r e^(i
+// phi).
+double complexEnergy(const LigamentSheet& sheet, const std::vector<Complex>& places,
+                     const std::vector<double>& turns) {
   double sum = 0;
   for (const model::Ligament& ligament : sheet.ligaments) {
     const auto point = [&](int brick, const Vector3& r) {
@@ -275,8 +276,8 @@ double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places
   return sum;
 }
 
-// Each state of 8 x 8 quads under compression is an equilibrium of the energy written anew: its
-// slope along every free coordinate is none.
+// Each state of 8 x 8 quads under compression is an equilibrium of the complex energy: its
+// derivative by every free coordinate is 0.
 TEST(Ligaments, BalanceInASheetUnderCompression) {
   const int side = 8;
   const LigamentSheet sheet(side, 0.5, 50, 2, 0.1);
@@ -292,7 +293,7 @@ TEST(Ligaments, BalanceInASheetUnderCompression) {
     places.emplace_back(pose.position.x(), pose.position.y());
     turns.push_back(2 * std::atan2(pose.rotation.z(), pose.rotation.w()));
   }
-  EXPECT_NEAR(energyAnew(sheet, places, turns), state.energy, 1e-10);
+  EXPECT_NEAR(complexEnergy(sheet, places, turns), state.energy, 1e-10);
   const double h = 1e-6;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto slope = [&](const Complex& move, double turn) {
@@ -301,7 +302,7 @@ TEST(Ligaments, BalanceInASheetUnderCompression) {
         std::vector<double> t = turns;
         p[i] += by * move;
         t[i] += by * turn;
-        return energyAnew(sheet, p, t);
+        return complexEnergy(sheet, p, t);
       };
       return (shifted(h) - shifted(-h)) / (2 * h);
     };
@@ -327,9 +328,10 @@ TEST(Ligaments, ThatAreStiffAreExactJoints) {
     const statics::ElasticSheet exact(sheet.bricks, sheet.start(), test::pairForces(sheet.springs),
                                       sheet.pivots, {}, grips);
     const mechanics::LoadPath path = mechanics::followLoad(soft, 2, {}, {}),
-                              wanted = mechanics::followLoad(exact, 2, {}, {});
-    ASSERT_TRUE(path.arrives && wanted.arrives) << path.trouble << wanted.trouble;
-    const double off = std::abs(path.states.back().forces[2] / wanted.states.back().forces[2] - 1);
+                              expected = mechanics::followLoad(exact, 2, {}, {});
+    ASSERT_TRUE(path.arrives && expected.arrives) << path.trouble << expected.trouble;
+    const double off =
+        std::abs(path.states.back().forces[2] / expected.states.back().forces[2] - 1);
     EXPECT_LT(off, before);
     before = 0.2 * off;
   }

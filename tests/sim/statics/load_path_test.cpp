@@ -131,8 +131,8 @@ TEST(LoadPath, FindsTheBucklingLoadOfAChain) {
     const mechanics::LoadPath path =
         chainAlongX(std::vector<double>(static_cast<std::size_t>(count), 0.0), -5, true).follow(3);
     const mechanics::Equilibrium& critical = firstTurning(path, mechanics::Turning::Bifurcation);
-    const double wanted = 4 * (1 - std::cos(kPi / count));
-    EXPECT_NEAR(-critical.forces[3], wanted, 1e-7 * wanted) << count;  // measured 6e-9 at most
+    const double expected = 4 * (1 - std::cos(kPi / count));
+    EXPECT_NEAR(-critical.forces[3], expected, 1e-7 * expected) << count;  // measured 6e-9 at most
   }
 }
 
@@ -150,8 +150,8 @@ TEST(LoadPath, FindsEachOfSeveralBifurcationsInOneStep) {
       if (state.turning == mechanics::Turning::None) continue;
       EXPECT_EQ(state.turning, mechanics::Turning::Bifurcation);
       ++found;
-      const double wanted = 4 * (1 - std::cos(found * kPi / count));
-      EXPECT_NEAR(-state.forces[3], wanted, 1e-7 * wanted) << longestStep;
+      const double expected = 4 * (1 - std::cos(found * kPi / count));
+      EXPECT_NEAR(-state.forces[3], expected, 1e-7 * expected) << longestStep;
     }
     EXPECT_EQ(found, 4);  // 4 (1 - cos(4 pi / 7)) = 4.89, the next is at 6.49
     EXPECT_EQ(path.states.back().unstableModes, 4);
@@ -208,7 +208,7 @@ struct FourBar {
   }
 };
 
-/// Triangles as bars; the spring is at the rocker's foot alone.
+/// Triangles as bars. The only spring is at the rocker's foot.
 Held fourBar(const FourBar& bars, double crank, double stiffness) {
   const Vector3 foot = Vector3::Zero(), base(bars.d, 0, 0);
   const Vector3 p = bars.rockerEnd(crank), q = bars.crankEnd(crank);
@@ -244,7 +244,7 @@ double maximum(const Function& f, double low, double high) {
   return 0.5 * (low + high);
 }
 
-// The rocker's angle rises and falls as the crank turns, so that its spring is at rest in two
+// The rocker's angle rises and falls as the crank turns. Its spring is therefore at rest in two
 // states, with a barrier between them.
 TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
   const FourBar bars;
@@ -267,8 +267,8 @@ TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
     const mechanics::LoadPath path = held.follow(0);
     EXPECT_TRUE(path.arrives) << path.trouble;
     for (const mechanics::Equilibrium& state : path.states) {
-      const double wanted = moment(start + state.displacements[0]);
-      EXPECT_NEAR(state.forces[0], wanted, 1e-7) << state.displacements[0];
+      const double expected = moment(start + state.displacements[0]);
+      EXPECT_NEAR(state.forces[0], expected, 1e-7) << state.displacements[0];
     }
     const mechanics::Equilibrium& limit = firstTurning(
         path, isForce ? mechanics::Turning::LoadLimit : mechanics::Turning::ForceLimit);
@@ -326,7 +326,7 @@ struct TurningTriangle {
   }
 };
 
-// The unit of bistable auxetic sheets of triangles: both states, the force on the whole way
+// The unit of bistable auxetic sheets of triangles: both states, the force along the whole path
 // between them, and where it snaps, against E = 3 k (l - l0)^2 / 2 with the law of cosines.
 TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
   const TurningTriangle unit;

@@ -41,7 +41,7 @@ scene::Scene turnedUnit() {
   return scene;
 }
 
-/// Likewise shut: all slits are.
+/// The same unit with all slits closed.
 model::Model shutUnit() {
   model::TessellationShape shape;
   shape.columns = shape.rows = 2;
@@ -53,7 +53,7 @@ double elasticEnergyOf(const trajectory::Subject& subject, const Poses& poses) {
   return subject.pairForces.energy(poses);
 }
 
-TEST(Loading, IsSampledAsAWalkWithItsLoadCurve) {
+TEST(Loading, IsSampledAsAPathWithItsLoadCurve) {
   const run::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
   EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   ASSERT_TRUE(run.loadCurve.has_value());
@@ -171,10 +171,10 @@ TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
     const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
     ASSERT_EQ(model::ligamentsOf(read.pairForces).size(), 4u);
     const double held = elasticEnergyOf(read, read.samples.back().poses);
-    const double wanted = run.loadCurve->states.back().energy;
+    const double expected = run.loadCurve->states.back().energy;
     EXPECT_GT(model::elasticEnergy(model::ligamentsOf(read.pairForces), read.samples.back().poses),
-              1e-6 * wanted);
-    EXPECT_NEAR(held, wanted, 1e-12 * wanted);  // measured 1.4e-16 of it
+              1e-6 * expected);
+    EXPECT_NEAR(held, expected, 1e-12 * expected);  // measured 1.4e-16 of it
     EXPECT_EQ(run.elasticity->energyEnd, held);
     EXPECT_EQ(run.elasticity->count("ligaments"), 4);
   }
@@ -396,8 +396,8 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
   EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
 }
 
-// A fold that the model's file has folded: free of its grip it stands there, whether springs or the
-// length scale say how stiff it is.
+// A fold that is folded in the model's file: without its grip it rests there, for a stiffness from
+// springs or from the length scale.
 TEST(Loading, BeginsWhereTheFilesFoldsRest) {
   for (const double stiffness : {0.5, 0.0}) {
     scene::Scene scene = liftedFold();

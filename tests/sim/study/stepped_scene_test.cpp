@@ -9,7 +9,7 @@
 namespace kirireel {
 namespace {
 
-/// A sheet on its way, which springs pull open: no run gives such a start a nudge.
+/// A sheet that springs pull open. Runs do not perturb such a start.
 scene::Scene pulledSheet(double tolerance) {
   scene::Scene scene;
   model::TessellationShape shape;
@@ -38,8 +38,9 @@ TEST(SteppedScene, MovesAsARunDoes) {
     for (std::size_t i = 0; i < end.size(); ++i) {
       apart = std::max(apart, (end[i].position - stepped.motion().poses[i].position).norm());
     }
-    const double way = (end[0].position - run.trajectory.samples.front().poses[0].position).norm();
-    EXPECT_GT(way, 0.1);
+    const double moved =
+        (end[0].position - run.trajectory.samples.front().poses[0].position).norm();
+    EXPECT_GT(moved, 0.1);
     // The nudge that a run does not give to such a start.
     EXPECT_LT(apart, 1e-8) << tolerance;  // measured 5.0e-10
   }

@@ -179,8 +179,8 @@ TEST(RigidBound, NoMotionInSpaceGoesBelow) {
 }
 
 TEST(RigidBound, LiesBelowTheBestFitInSquares) {
-  // One corner of a square stands off: the best fit in squares leaves most of that to this corner,
-  // the minimax fit shares it among all.
+  // One corner of a square is displaced: the least-squares fit leaves most of that at this corner,
+  // the minimax fit distributes it.
   const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   model::Tile bent = square;
   bent.vertices[2] += Vector3(0.2, 0.2, 0);
@@ -211,7 +211,7 @@ TEST(KineticEnergy, OfABoxHasTheClosedForm) {
   Motion motion{Poses(1), std::vector<Velocity>(1)};
   motion.velocities[0].linear = {1, -2, 2};
   EXPECT_NEAR(trajectory::kineticEnergy(bricks, motion), 4.5, 1e-14);
-  // Standing upright, the brick's z axis points along the world's -y.
+  // If upright, the brick's z axis is the world's -y.
   motion.poses[0].rotation = rotationFromVector({1.5707963267948966, 0, 0});
   motion.velocities[0].angular = {0, 4, 0};
   EXPECT_NEAR(trajectory::kineticEnergy(bricks, motion), 4.5 + 0.5 * (9 + 4) / 12.0 * 16, 1e-13);

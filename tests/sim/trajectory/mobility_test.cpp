@@ -59,7 +59,7 @@ int rankByDifferences(const model::Model& model) {
 }
 
 TEST(Mobility, OpenTessellationHasOneFreedomInThePlane) {
-  // Grima and Evans 2000: rotating squares are one mechanism, whatever their number.
+  // Grima and Evans 2000: rotating squares are one mechanism, for any number of tiles.
   for (const auto& [columns, rows] : {std::pair(2, 2), {3, 5}, {10, 10}}) {
     EXPECT_EQ(planarFreedoms(tessellation(columns, rows, 0.8)), 1) << columns << " x " << rows;
   }
@@ -109,7 +109,7 @@ TEST(Mobility, AgreesWithDifferencesInSpace) {
 }
 
 TEST(Mobility, SignCountsAgreeWithSingularValues) {
-  // 20 x 20 tiles take the sparse way, and have one freedom all the same.
+  // 20 x 20 tiles use the sparse method, and still have one freedom.
   const model::Model model = tessellation(20, 20, 0.8);
   const trajectory::Mobility found =
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
@@ -119,7 +119,7 @@ TEST(Mobility, SignCountsAgreeWithSingularValues) {
   EXPECT_TRUE(found.areBounds);
 }
 
-TEST(Mobility, SpectrumHasAClearGap) {
+TEST(Mobility, SpectrumHasAGap) {
   const model::Model model = tessellation(6, 6, 0.8);
   const trajectory::Mobility found =
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);

@@ -39,7 +39,7 @@ std::vector<Vector3> cornersOf(const model::Brick& brick, const Pose& pose) {
   return corners;
 }
 
-/// How far A must move against `direction` to be clear of B.
+/// Distance that A must move against `direction` to separate from B.
 double overlap(const std::vector<Vector3>& a, const std::vector<Vector3>& b,
                const Vector3& direction) {
   double highA = -1e9, lowB = 1e9;
@@ -85,7 +85,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
   // Deep in each other: the thickness is the shortest way out.
   EXPECT_NEAR(depthOf(a, origin, b, {{0.2, 0.3, 0.005}}), 0.015, 1e-15);
-  // Clear of each other.
+  // Separate.
   EXPECT_EQ(depthOf(a, origin, b, {{1.51, 0, 0}}), 0);
   EXPECT_EQ(depthOf(a, origin, b, {{0, 0, 0.03}}), 0);
 }
@@ -237,7 +237,7 @@ TEST(Penetration, NoBricksNoDepth) {
 TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
   // Two squares joined at a corner, turned into each other by an angle: whole, a side of one has
   // its far end in the other; nothing changes there without the pivot's corners. Moved apart along
-  // the sides' common line so that only the corners overlap, nothing is left.
+  // the sides' common line until only the corners overlap, no overlap is left.
   model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
@@ -296,7 +296,7 @@ TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
   EXPECT_NEAR(meter.at(poses).grown, 0.12, 1e-12);
 }
 
-/// The same figures from the functions that look at one state alone.
+/// The same figures from the functions for a single state.
 trajectory::PenetrationDepths depthsOf(const std::vector<model::Brick>& bricks,
                                        const std::vector<model::Pivot>& pivots, double zone,
                                        const Poses& start, const Poses& poses) {
@@ -353,7 +353,7 @@ TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
   EXPECT_FALSE(heap.seesAllPairs());
   EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
   EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
-  // In another order other pairs are looked at: what they had is not taken for new.
+  // In another order other pairs are checked. Their earlier overlap does not count as new.
   Poses moved = many;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
   EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);

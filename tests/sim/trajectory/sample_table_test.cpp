@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 constexpr double kSpeed = 0.5;  // m/s
 constexpr double kTurn = 2;     // rad/s
 
-/// Two bricks: one stands, the other moves along x and turns about z, both evenly.
+/// Two bricks: one is at rest, the other moves along x and rotates about z, both evenly.
 trajectory::Sample evenMotion(double time) {
   trajectory::Sample sample;
   sample.time = time;
@@ -57,9 +57,9 @@ TEST(SampleTable, VelocitiesOfEvenMotionAreExact) {
   const std::vector<double> velocities = evenTable(5).velocities();
   ASSERT_EQ(velocities.size(), 5U * 2 * 6);
   for (int sample = 0; sample < 5; ++sample) {
-    const double* standing = &velocities[static_cast<std::size_t>(sample) * 12];
-    const double* moving = standing + 6;
-    for (int k = 0; k < 6; ++k) EXPECT_EQ(standing[k], 0);
+    const double* resting = &velocities[static_cast<std::size_t>(sample) * 12];
+    const double* moving = resting + 6;
+    for (int k = 0; k < 6; ++k) EXPECT_EQ(resting[k], 0);
     EXPECT_NEAR(moving[0], kSpeed, 1e-14);
     EXPECT_NEAR(moving[5], kTurn, 1e-14);  // 4e-16 measured
   }

@@ -41,7 +41,7 @@ std::vector<model::Ligament> randomLigaments(std::mt19937_64& generator) {
   return {pin, neck};
 }
 
-/// Poses of random bits, so that no digit can be lost unseen.
+/// Poses of random bits, which show any lost digit.
 trajectory::Trajectory randomTrajectory(int samples) {
   scene::Scene scene;
   scene.model = model::makeTessellation({});
@@ -294,7 +294,7 @@ TEST(TrajectoryFile, LeavesNothingWhenAbandoned) {
 
 TEST(TrajectoryFile, OpensInPython) {
   if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
-    GTEST_SKIP() << "install python3-h5py to judge trajectories by another program";
+    GTEST_SKIP() << "install python3-h5py to check trajectories with another program";
   }
   const TemporaryFolder folder;
   const trajectory::Trajectory written = randomTrajectory(50);
