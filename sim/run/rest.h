@@ -22,8 +22,8 @@ double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& moti
 /// A measure of the fastest brick's speed, m/s. Rotations count at the radius `tileSize` (metres).
 double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
 
-/// Detects rest: no brick is faster than the scene's settle speed. A run also rests if its steps
-/// keep failing and no brick moves.
+/// Detects rest: no brick is faster than the scene's settle speed, or none leaves its place. A run
+/// also rests if its steps keep failing and no brick moves.
 class RestWatch {
  public:
   /// Keeps a reference to `bricks`.
@@ -45,7 +45,7 @@ class RestWatch {
   bool isStuck(const Poses& poses) const;
 
   /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
+  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_, stillStart_); }
 
  private:
   double restWithinStep(const RunMotion& motion, double length, double limit) const;
@@ -54,6 +54,7 @@ class RestWatch {
   double rested_ = 0;  // rest time at the end of the last step, seconds
   double needed_;      // required rest time, seconds
   Poses jamStart_;     // poses when steps began to fail; empty if they do not fail
+  Poses stillStart_;   // poses that the bricks have not left since
 };
 
 // ------------------------------------------------------------------------------------------------

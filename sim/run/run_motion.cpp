@@ -25,7 +25,7 @@
 namespace kirireel::run {
 namespace {
 
-// A run has diverged if a brick is this many model sizes away from its start.
+// A run has diverged if a brick has moved this many model sizes relative to all bricks together.
 constexpr double kLostDistance = 1e3;
 // Closing joints may cause overlaps up to this fraction of a tile.
 constexpr double kPushedShare = 1e-4;
@@ -132,8 +132,12 @@ StepReport RunMotion::advance(const mechanics::TimedLoads& loads, bool isToToler
 }
 
 bool RunMotion::isLost() const {
+  Vector3 together = Vector3::Zero();
   for (std::size_t i = 0; i < start_.size(); ++i) {
-    const double distance = (now_.poses[i].position - start_[i].position).norm();
+    together += (now_.poses[i].position - start_[i].position) / static_cast<double>(start_.size());
+  }
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    const double distance = (now_.poses[i].position - start_[i].position - together).norm();
     if (!(distance <= kLostDistance * bricks_.size)) return true;  // also when not a number
     if (!now_.poses[i].rotation.coeffs().allFinite()) return true;
   }

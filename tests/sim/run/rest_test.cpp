@@ -57,6 +57,19 @@ TEST(Rest, TheEndOfTimeIsReportedWithDistanceAndSpeed) {
   EXPECT_THAT(result.reason, HasSubstr(" m/s at most, "));
 }
 
+// At a flush start the velocity equations leave two held tiles a motion that closed joints do not.
+// Speeds that lead nowhere are rest.
+TEST(Rest, AFlushSheetThatPinsLockIsAtRest) {
+  for (const int other : {15, 3}) {
+    scene::Scene scene = sheet();
+    scene.timeline.push_back({{}, scene::timeline::Pin{{0, other}}, {}});
+    scene.stop.duration = 10;
+    const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(result.outcome, run::Outcome::Locked) << other << ' ' << result.reason;
+    EXPECT_LT(result.trajectory.samples.back().time, 5) << other;
+  }
+}
+
 /// Three squares in a ring about a triangle that is closed: joints at three corners leave nothing
 /// to move. Its target is the same ring with one square turned away.
 scene::Scene immobile() {
