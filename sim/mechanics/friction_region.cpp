@@ -32,7 +32,7 @@ constexpr std::array<double, 3> kRadialShares = {0.13965395980290832, 0.45848221
                                                  0.4018638274779191};
 const double kGauss = 1 / std::sqrt(3.0);
 constexpr std::size_t kFewSides = 3;  // up to which two points are taken along a side
-// Hulls narrower than this part of their length are lines, shorter ones points.
+// Hulls narrower than this fraction of their length are lines, shorter ones points.
 constexpr double kNarrow = 1e-9;
 // A region shrunk to less than this part is a point.
 constexpr double kPoint = 1e-6;
