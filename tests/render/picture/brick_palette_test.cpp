@@ -200,7 +200,7 @@ TEST(BrickPalette, NeedsATargetForItsError) {
   }
 }
 
-TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
+TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
   picture::PictureContent content;
   const std::vector<model::Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
                                           polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),

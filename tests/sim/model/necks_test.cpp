@@ -63,7 +63,7 @@ TEST(Necks, ComeBackFromFoldersAndFoldFiles) {
     const TemporaryFolder folder;
     writeModel(model, folder.path() / "sheet.fold");
     EXPECT_EQ(necksOf(read(folder.path() / "sheet.fold")), necksOf(model));
-    // A folder says no unit.
+    // A folder declares no unit.
     writeModel(model, folder.path() / "sheet");
     ReadSettings settings;
     settings.unit = model.unit;

@@ -346,7 +346,7 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   }
 }
 
-TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
+TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
   const std::vector<model::Brick> bricks(many.size(), box(1, 1, 0.1));
   trajectory::PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
