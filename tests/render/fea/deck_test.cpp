@@ -393,7 +393,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
 
 TEST(Supports, CountTheFlatMechanismsOfClosedSquares) {
   // Slits of n x n squares open along each of their 2 n - 2 lines, and the sheet turns as one: 2 n
-  // + 1 motions in the plane. With hinges the whole moves in three more ways. On ball joints of one
+  // + 1 motions in the plane. With hinges the whole has three more motions. On ball joints of one
   // face each tile has three, less one for each of the 2 n (n - 1) joints.
   for (const int n : {5, 20, 40}) {
     model::Model model = model::makeTessellation(test::squares(n, n, 0));
