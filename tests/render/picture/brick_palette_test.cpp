@@ -215,7 +215,7 @@ TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::Shape), content)),
             (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::State), content)),
-            (std::vector<std::string>{"at its start", "on its moving"}));
+            (std::vector<std::string>{"at its start", "on its way"}));
   EXPECT_TRUE(picture::BrickPalette(coloured(picture::Colouring::Plain), content).legend().empty());
 }
 
