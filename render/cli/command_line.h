@@ -40,12 +40,12 @@ struct LoadedModel {
   std::vector<std::string> warnings;  ///< about these files, one line each
 };
 
-/// Reads a model like `kirireel record MODEL OPTIONS`; the options are --joints-file and
-/// --strict. Throws as readModel() and parseCommandLine().
+/// Reads a model like `kirireel record MODEL OPTIONS`; the options are --joints-file and --strict.
+/// Throws the errors of readModel() and parseCommandLine().
 LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options);
 
-/// The complete order of `kirireel record` with these options for a model in memory. Throws as
-/// parseCommandLine().
+/// The complete order of `kirireel record` with these options for a model in memory. Throws the
+/// errors of parseCommandLine().
 RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::string>& options);
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
@@ -109,9 +109,8 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 /// unchanged. Does not throw: the parser reports unknown options.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
-/// The first argument that is PyKirigami's own name or "--like pykirigami". It selects
-/// PyKirigami's defaults. Empty: there is none. Other underscores are read as hyphens and have no
-/// such effect.
+/// The first argument that is PyKirigami's own name or "--like pykirigami". It selects PyKirigami's
+/// defaults. Empty if there is none. Other underscores are only read as hyphens.
 std::string peerSpelling(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel::cli

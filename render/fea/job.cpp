@@ -558,7 +558,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 // point, and B_t has the rows of R for u_t. A joint requires that two tiles have the same motion at
 // its middle. If it goes through the thickness along d, both must also rotate its line equally, s w
 // x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart would be
-// equivalent, but for thin bricks so weak that a held motion would count as free.)
+// equivalent. However, they are so weak for thin bricks that a held motion would count as free.)
 //
 // The null space of J contains the first-order motions of rigid tiles. The search finds as many
 // unknowns as its dimension, and holding these removes all motions (compare C. Farhat, M. Geradin,

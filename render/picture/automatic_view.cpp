@@ -49,7 +49,7 @@ constexpr int kSide = 96;
 constexpr int kAzimuthStep = 15;
 constexpr int kElevationStep = 10;
 constexpr int kMostElevation = 80;
-/// From steeper above, the start is seen only along its own axes.
+/// From this elevation on, candidate azimuths are multiples of 90 degrees.
 constexpr int kSteep = 70;
 
 /// Right-handed axes.

@@ -28,7 +28,7 @@ namespace {
 
 // Gauss' places on [0, 1].
 const std::array<double, 2> kPlaces = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
-// Hulls narrower than this part of their length are lines, shorter ones points.
+// Hulls narrower than this fraction of their length are lines, shorter ones points.
 constexpr double kNarrow = 1e-9;
 // A region shrunk to less than this part is a point.
 constexpr double kPoint = 1e-6;

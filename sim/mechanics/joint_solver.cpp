@@ -383,7 +383,7 @@ bool Stepper<D>::boundNewFriction(const Poses& start) {
   return !found.empty();
 }
 
-/// Begins with the planes that carried load in the last step, as far as they still are current.
+/// Begins with the planes that carried load in the last step and still hold.
 template <int D>
 void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   program_.contacts.clear();

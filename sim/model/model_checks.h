@@ -182,11 +182,11 @@ void refuseRepairs(const Model& model);
 /// still rows of `table`. O(rows log rows).
 void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string>& warnings);
 
-/// Notes that a joints file is empty, without even a comment: its tiles are not connected.
+/// Reports that a joints file is empty, without even a comment: its tiles are not connected.
 void noteNoJoints(const std::filesystem::path& file, Model& model,
                   std::vector<std::string>& warnings);
 
-/// Notes the padded tiles of a table, if there are any.
+/// Reports the padded tiles of a table, if there are any.
 void notePadding(const TileTable& table, Model& model, std::vector<std::string>& warnings);
 
 /// Joints whose corners differ only by rounding, collected into one repair.

@@ -108,7 +108,7 @@ constexpr int kSettlingMoves = 4;
 // arrive.
 constexpr double kNearStart[] = {1e4, 1e3, 1e2};
 // Perturbation that leaves a saddle, radians, and the relative gain in extent that confirms it.
-constexpr double kNudge = 0.02;
+constexpr double kPerturbation = 0.02;
 constexpr double kMoreExtent = 1e-6;
 
 /// The same bricks, with the path's metric instead of their masses and inertias.
@@ -409,7 +409,7 @@ class Continuation {
     Poses place = poses_;
     for (std::size_t i = 0; i < place.size(); ++i) {
       const Vector3 normal = place[i].rotation * mechanism_.bricks()[i].normal;
-      place[i].rotation = Quaternion(Eigen::AngleAxisd(kNudge, normal)) * place[i].rotation;
+      place[i].rotation = Quaternion(Eigen::AngleAxisd(kPerturbation, normal)) * place[i].rotation;
     }
     moveTowards(place);
     extend();

@@ -3,8 +3,8 @@
 // steps: the time at which the fastest speed falls below the limit is computed within the
 // step.
 //
-// The second part distinguishes rest from slow motion. The third part gives nudges that leave
-// an equilibrium.
+// The second part distinguishes rest from slow motion. The third part gives perturbations that
+// leave an equilibrium.
 #include "sim/run/rest.h"
 
 #include <algorithm>
@@ -151,23 +151,23 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Only a perturbation leaves an equilibrium. The nudge consists of velocities v_i of a millionth of
-// the model's size per second. It grows as exp(s t) with the growth rate s of the equilibrium and
-// becomes visible after about ln(1e6) / s = 14 / s.
+// Only a perturbation leaves an equilibrium. The perturbation consists of velocities v_i of a
+// millionth of the model's size per second. It grows as exp(s t) with the growth rate s of the
+// equilibrium and becomes visible after about ln(1e6) / s = 14 / s.
 //
-// If the start moves by itself, the nudge would only add a difference between seeds: 1e-6 of a tile
-// after half a second of a cap. A start moves by itself if its forces make it faster than the nudge
-// within kNudgeTime. At a singular state joints leave only the rounding of the loads, which is
-// slower. A sheet that is pulled as a whole, but cannot open, moves without a difference in angular
-// velocities: that does not count. If no drive and no spring acts between bricks, any motion
-// counts. Pins of the timeline's start already hold.
+// If the start moves by itself, the perturbation would only add a difference between seeds: 1e-6 of
+// a tile after half a second of a cap. A start moves by itself if its forces make it faster than
+// the perturbation within kPerturbationTime. At a singular state joints leave only the rounding of
+// the loads, which is slower. A sheet that is pulled as a whole, but cannot open, moves without a
+// difference in angular velocities: that does not count. If no drive and no spring acts between
+// bricks, any motion counts. Pins of the timeline's start already hold.
 //
 // Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
 
 namespace {
 
 constexpr double kSpeed = 1e-6;  // model sizes per second
-// A symmetric nudge needs at least this fraction of the rotations of a whole nudge.
+// A symmetric perturbation needs at least this fraction of the rotations of a whole perturbation.
 constexpr double kLeft = 1e-3;
 
 /// Uniform in [-1, 1), with identical bits in all standard libraries.
@@ -197,7 +197,7 @@ std::vector<Velocity> fitted(const std::vector<Velocity>& velocities, const Pose
 
 }  // namespace
 
-std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed) {
+std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned seed) {
   std::mt19937 generator(seed);
   const double speed = kSpeed * modelSize;
   std::vector<Velocity> velocities(count);
@@ -217,8 +217,9 @@ bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double 
   return fastest > kSpeed * modelSize;
 }
 
-std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
-                                     std::span<const model::Symmetry> group, Dynamics& dynamics) {
+std::vector<Velocity> symmetricPerturbation(const std::vector<Velocity>& whole, const Poses& poses,
+                                            std::span<const model::Symmetry> group,
+                                            Dynamics& dynamics) {
   std::vector<Velocity> symmetric = model::symmetricMean(whole, group);
   const double left = fastestOpening(fitted(symmetric, poses, dynamics));
   const double most = fastestOpening(fitted(whole, poses, dynamics));
@@ -226,20 +227,20 @@ std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const P
   return symmetric;
 }
 
-std::vector<Velocity> NudgeGiver::whole() const {
-  return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
+std::vector<Velocity> Perturber::whole() const {
+  return perturbation(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
 }
 
 /// Whether a drive or springs act between joined bricks, in addition to the environment.
-bool NudgeGiver::areDrivenApart() const {
+bool Perturber::areDrivenApart() const {
   const scene::Scene& scene = bricks_.scene;
   if (bricks_.pivots.empty()) return false;
   return scene.actuation.drive != scene::Drive::None || !bricks_.ties.pairForces.empty();
 }
 
-void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
-                             const JointFit& joints, const std::vector<bool>& pinned) {
-  given_ = Nudged::Wholly;
+void Perturber::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
+                            const JointFit& joints, const std::vector<bool>& pinned) {
+  given_ = Perturbed::Wholly;
   std::vector<Velocity> velocities = whole();
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet) {
     motion.now().velocities = std::move(velocities);
@@ -249,26 +250,26 @@ void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loa
   joints.hold(*solver);
   solver->setPinned(pinned);
   Motion trial = {motion.poses(), std::vector<Velocity>(bricks_.bricks.size())};
-  solver->advance(trial, kNudgeTime, loads);
+  solver->advance(trial, kPerturbationTime, loads);
   if (movesByItself(trial.velocities, areDrivenApart(), bricks_.tileSize, bricks_.size)) {
-    given_ = Nudged::No;
+    given_ = Perturbed::No;
     return;
   }
   SymmetricStates symmetries(bricks_.scene);
   symmetries.keepThoseOf(motion.poses());
   if (symmetries.group().size() > 1) {
     std::vector<Velocity> symmetric =
-        symmetricNudge(velocities, motion.poses(), symmetries.group(), *solver);
+        symmetricPerturbation(velocities, motion.poses(), symmetries.group(), *solver);
     if (!symmetric.empty()) {
-      given_ = Nudged::InSymmetry;
+      given_ = Perturbed::InSymmetry;
       velocities = std::move(symmetric);
     }
   }
   motion.now().velocities = std::move(velocities);
 }
 
-void NudgeGiver::giveAtRest(RunMotion& motion) {
-  given_ = Nudged::Wholly;
+void Perturber::giveAtRest(RunMotion& motion) {
+  given_ = Perturbed::Wholly;
   const std::vector<Velocity> more = whole();
   for (std::size_t i = 0; i < more.size(); ++i) {
     motion.now().velocities[i].linear += more[i].linear;

@@ -1,4 +1,4 @@
-/// Detection of rest, and nudges that leave an equilibrium.
+/// Detection of rest, and perturbations that leave an equilibrium.
 #pragma once
 
 #include <cstddef>
@@ -82,55 +82,56 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
 double farthestMove(const Poses& from, const Poses& to, double tileSize);
 
 // ------------------------------------------------------------------------------------------------
-// A nudge leaves an unstable equilibrium by small random velocities. For a start that moves by
-// itself it would be an error in time. Such starts get no nudge.
+// A perturbation leaves an unstable equilibrium by small random velocities. For a start that moves
+// by itself it would be an error in time. Such starts get no perturbation.
 
-/// The part of the nudge that a run has received.
-enum class Nudged {
+/// The part of the perturbation that a run has received.
+enum class Perturbed {
   No,          ///< nothing
   InSymmetry,  ///< only the part with the symmetries of the model and the state
-  Wholly,      ///< the whole nudge
+  Wholly,      ///< the whole perturbation
 };
 
-/// Time in which bricks must become faster than a nudge from rest, seconds.
-constexpr double kNudgeTime = 1.0 / 240;
+/// Time in which bricks must become faster than a perturbation from rest, seconds.
+constexpr double kPerturbationTime = 1.0 / 240;
 
 /// Random velocities for `count` bricks, without rotations. Each component is within a millionth of
 /// the model's size (metres) per second. The same seed gives the same result on all machines.
-std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed);
+std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned seed);
 
-/// Whether the acting forces move the bricks. `after` are the velocities at kNudgeTime after rest,
-/// with joints and contacts. Some brick must be faster than a nudge. If bricks are `drivenApart`,
-/// by a drive or by springs between them, the motion must be relative: a sheet that is pulled
-/// along, but cannot open, does not count. Sizes in metres.
+/// Whether the acting forces move the bricks. `after` are the velocities at kPerturbationTime after
+/// rest, with joints and contacts. Some brick must be faster than a perturbation. If bricks are
+/// `drivenApart`, by a drive or by springs between them, the motion must be relative: a sheet that
+/// is pulled along, but cannot open, does not count. Sizes in metres.
 bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
                    double modelSize);
 
-/// The part of a nudge with the symmetries of `group`, which includes the identity. Empty if joints
-/// leave almost none of it: a closed sheet may open only in a motion without symmetry. `dynamics`
-/// holds the joints at the state.
-std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
-                                     std::span<const model::Symmetry> group, Dynamics& dynamics);
+/// The part of a perturbation with the symmetries of `group`, which includes the identity. Empty if
+/// joints leave almost none of it: a closed sheet may open only in a motion without symmetry.
+/// `dynamics` holds the joints at the state.
+std::vector<Velocity> symmetricPerturbation(const std::vector<Velocity>& whole, const Poses& poses,
+                                            std::span<const model::Symmetry> group,
+                                            Dynamics& dynamics);
 
-/// Gives nudges to a run and records them.
-class NudgeGiver {
+/// Gives perturbations to a run and records them.
+class Perturber {
  public:
   /// Keeps a reference to `bricks`.
-  explicit NudgeGiver(const SceneBricks& bricks) : bricks_(bricks) {}
+  explicit Perturber(const SceneBricks& bricks) : bricks_(bricks) {}
 
-  /// Gives a nudge to bricks at rest at the start, unless `loads` move them. The start of an
-  /// engine's run cannot be tested and always gets the whole nudge. `joints` are those of the run;
-  /// `pinned` has one entry per brick.
+  /// Gives a perturbation to bricks at rest at the start, unless `loads` move them. The start of an
+  /// engine's run cannot be tested and always gets the whole perturbation. `joints` are those of
+  /// the run; `pinned` has one entry per brick.
   void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints,
                    const std::vector<bool>& pinned);
-  /// Gives a whole nudge to bricks that came to rest: the equilibrium after a motion may be
+  /// Gives a whole perturbation to bricks that came to rest: the equilibrium after a motion may be
   /// unstable too.
   void giveAtRest(RunMotion& motion);
 
-  /// Whether a nudge remains.
-  bool canGive() const { return given_ != Nudged::Wholly; }
-  /// Allows all nudges again, because another target has other equilibria.
-  void reset() { given_ = Nudged::No; }
+  /// Whether a perturbation remains.
+  bool canGive() const { return given_ != Perturbed::Wholly; }
+  /// Allows all perturbations again, because another target has other equilibria.
+  void reset() { given_ = Perturbed::No; }
 
   /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(given_); }
@@ -140,7 +141,7 @@ class NudgeGiver {
   bool areDrivenApart() const;
 
   const SceneBricks& bricks_;
-  Nudged given_ = Nudged::No;
+  Perturbed given_ = Perturbed::No;
 };
 
 }  // namespace kirireel::run

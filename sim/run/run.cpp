@@ -12,13 +12,13 @@
 //   end: the last sample, and the reason for the end (RunReasons)
 //
 // At rest these actions are tried in order:
-// 1. A nudge, if there is a pull to a target that is not reached, and the run had no nudge or only
-//    its symmetric part. An equilibrium after a motion may also be unstable, for example that of a
-//    ring that closes symmetrically.
+// 1. A perturbation, if there is a pull to a target that is not reached, and the run had no
+//    perturbation or only its symmetric part. An equilibrium after a motion may also be unstable,
+//    for example that of a ring that closes symmetrically.
 // 2. Stiffer springs.
 // 3. Long implicit steps from rest, which detect slow bricks.
 // 4. Timeline entries that wait for rest.
-// 5. A nudge, if there is no pull to a target.
+// 5. A perturbation, if there is no pull to a target.
 //
 // If none of these moves the bricks, the run ends. It is settled or locked, depending on the
 // remaining error. If only the pull acts, a last step moves bricks near the nearest state with
@@ -67,7 +67,7 @@ Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObse
       forces_(bricks_, clock_, timeline_, drive_, motion_),
       joints_(bricks_),
       rest_(bricks_),
-      nudges_(bricks_),
+      perturber_(bricks_),
       recorder_(bricks_, clock_, motion_, forces_, observers, nearest, checkpoints),
       checkpoints_(checkpoints) {}
 
@@ -99,7 +99,7 @@ void Run::start() {
   goTo(nullptr);
   followTimeline(false);
   if (scene.velocities.empty()) {
-    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
+    perturber_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
   } else {
     now.velocities = scene::initialVelocities(scene.velocities, bricks_.bricks, now.poses);
     if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
@@ -254,13 +254,13 @@ bool Run::stiffensIfStalled() {
   return watchesStall() && drive_.stiffness().observe(targetErrorNow(), time(), clock_.length());
 }
 
-// At rest: tries a nudge, stiffer springs and the timeline. Otherwise the run ends.
+// At rest: tries a perturbation, stiffer springs and the timeline. Otherwise the run ends.
 void Run::restOrContinue() {
   const bool isPulled = target_.isPulledTo() && timeline_.forcesAreOn();
   const double error = targetErrorNow();
   const bool isShort = isPulled && error > kArrivedShare * bricks_.size;
-  if (nudges_.canGive() && isShort && !target_.isAtSpringEquilibrium(error)) {
-    nudges_.giveAtRest(motion_);
+  if (perturber_.canGive() && isShort && !target_.isAtSpringEquilibrium(error)) {
+    perturber_.giveAtRest(motion_);
     rest_.restartCount();
   } else if (isShort && !drive_.stiffness().exhausted()) {
     drive_.stiffness().stiffen();
@@ -269,8 +269,8 @@ void Run::restOrContinue() {
     rest_.doubleRestTime();
   } else if (followTimeline(true) || (!timeline_.isOver(time()) && !timeline_.waitsForState())) {
     return;  // an entry acts now or later
-  } else if (nudges_.canGive() && !isPulled) {
-    nudges_.giveAtRest(motion_);
+  } else if (perturber_.canGive() && !isPulled) {
+    perturber_.giveAtRest(motion_);
     rest_.restartCount();
   } else if (timeline_.isOver(time())) {
     settleAtNearest();
@@ -360,7 +360,7 @@ bool Run::followTimeline(bool atRest) {
 
 // Null selects the model's own target.
 void Run::goTo(const std::vector<model::Tile>* target) {
-  nudges_.reset();
+  perturber_.reset();
   target_.set(target, motion_.poses());
   drive_.headFor(target_, motion_.poses());
 }
@@ -370,7 +370,7 @@ void Run::reset() {
   motion_.goBack();
   joints_.hold(motion_.solver());
   goTo(nullptr);
-  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
+  perturber_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
 }
 
 void Run::quit() {
@@ -385,7 +385,7 @@ void Run::transfer(StateTape& tape) {
   tape.transfer(motion_, target_);
   recorder_.transfer(tape);
   drive_.transfer(tape, target_);
-  tape.transfer(timeline_, joints_, rest_, nudges_, spent_);
+  tape.transfer(timeline_, joints_, rest_, perturber_, spent_);
 }
 
 void Run::saveState() {

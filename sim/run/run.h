@@ -149,7 +149,7 @@ class Run : private TimelineStage {
   ActingForces forces_;
   JointFit joints_;
   RestWatch rest_;
-  NudgeGiver nudges_;
+  Perturber perturber_;
   RunRecorder recorder_;
   Checkpoints* checkpoints_;
   SpentTime spent_;

@@ -1,6 +1,6 @@
-// A simpler loop than that of a run: springs of constant stiffness, a nudge, no path, no timeline,
-// no stop. Studies use it to read each step's energy, gap and cost. Its figures measure only the
-// solver.
+// A simpler loop than that of a run: springs of constant stiffness, a perturbation, no path, no
+// timeline, no stop. Studies use it to read each step's energy, gap and cost. Its figures measure
+// only the solver.
 #include "sim/study/stepped_scene.h"
 
 #include <algorithm>
@@ -70,8 +70,9 @@ SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> 
   if (!dynamics_->assemble(motion_.poses))
     dynamics_->setJointStiffness(run::misfitStiffness(scene_, bricks_));
   setupSeconds_ = threadCpuSeconds() - before;
-  // Without a nudge, a run might never leave a singular closed state, which is an equilibrium.
-  motion_.velocities = run::nudge(bricks_.size(), size_, scene_.solver.seed);
+  // Without a perturbation, a run might never leave a singular closed state, which is an
+  // equilibrium.
+  motion_.velocities = run::perturbation(bricks_.size(), size_, scene_.solver.seed);
 }
 
 // One step of the scene's length. Only the solver's time counts, not that of the measurements.

@@ -65,8 +65,8 @@ std::string toString(const Method& method);
 using DynamicsMaker = std::function<std::unique_ptr<run::Dynamics>(
     const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
 
-/// An engine at 240 steps per second with various substeps and iterations. One can replace the
-/// other at equal cost.
+/// An engine at 240 steps per second with various substeps and iterations. The cost of a step is
+/// proportional to their product.
 std::vector<Method> sweepMethods(const Engine& engine, Extent extent);
 
 /// The maker of a method's dynamics. It may be called often, also from several
@@ -76,7 +76,8 @@ DynamicsMaker dynamicsMaker(const Method& method);
 // ------------------------------------------------------------------------------------------------
 // A scene stepped by a study: energy, gap and cost of every step can be read.
 
-/// The scene's bricks under springs of constant stiffness, from an assembled start with a nudge.
+/// The scene's bricks under springs of constant stiffness, from an assembled start with a
+/// perturbation.
 class SteppedScene {
  public:
   /// Uses the solver that the scene requests. Throws the errors of makeDynamics() and
@@ -140,8 +141,8 @@ struct Stability {
   int steps = 0;        ///< taken
 };
 
-/// Steps the scene until `steps` are done, a brick leaves all bounds or `cpuSeconds` are used.
-/// Returns the figures.
+/// Steps the scene until `steps` are done, isFinite() is false or `cpuSeconds` are used. Returns
+/// the figures.
 Stability watchStability(SteppedScene& run, int steps,
                          double cpuSeconds = std::numeric_limits<double>::infinity());
 
@@ -168,7 +169,7 @@ using SheetMethods = std::function<std::vector<SheetMethod>(Extent)>;
 
 /// Error against CPU time. Sheets have one size.
 Study workPrecisionStudy(const SheetMethods& methods);
-/// Precision in time of a sheet in motion. Rates are multiples of 15 steps a second.
+/// Precision in time of a sheet in motion. Rates are multiples of 15 steps per second.
 Study movingStudy(const SheetMethods& methods);
 /// How CPU time grows with the number of tiles.
 Study scalingStudy(const SheetMethods& methods);

@@ -10,7 +10,7 @@
 //   long     its path is longer than 1.5 x the tiles' own motions, and 5% longer than the least
 //            to which the string method shortens it: many mechanisms have no path of that length
 //   back     it turns back: two moves between samples, one after the other, are opposed
-//   overlap  bricks overlap by more than 1e-4 tiles beyond the start, and nothing says so
+//   overlap  bricks overlap by more than 1e-4 tiles beyond the start, and no warning reports it
 //   open     joints open by more than 1e-10 tiles and 1.2 x the least that was found
 // Rows whose bricks would overlap at the target are marked as blocked there. The last line counts.
 //

@@ -53,7 +53,7 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
   }
 }
 
-TEST(Contradictions, NameWhatSaysTheSame) {
+TEST(Contradictions, NameEquivalentOptions) {
   EXPECT_EQ(
       refusal({"--spring-frequency", "3", "--spring-stiffness", "25", "--torque-stiffness", "25"}),
       "error: --spring-frequency and --spring-stiffness with --torque-stiffness are equivalent. "

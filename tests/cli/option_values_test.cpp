@@ -78,7 +78,7 @@ TEST(OptionTiles, AreNumbersOrAll) {
       "error: --split-tiles: '3,x' is not allowed; give all, or numbers of tiles, as in 3,7,8");
 }
 
-TEST(OptionNumber, SaysWhatIsAllowed) {
+TEST(OptionNumber, ReportsWhatIsAllowed) {
   const double most = scene::Range().most;
   EXPECT_EQ(test::refusalOf([&] {
               scene::parseNumber({"--mu", "-1"}, {0, most});

@@ -23,7 +23,7 @@ struct Sample {
   Words needed = {};  ///< without which the option means nothing
 };
 
-/// What makes a setting mean something, as its conditions say: --solver direct.
+/// Options that a setting requires by its conditions, e.g. --solver direct.
 Words neededFor(const scene::Setting& setting) {
   Words words;
   for (const scene::Condition& condition : setting.conditions) {
@@ -63,7 +63,7 @@ std::string gripScene() {
   return file.string();
 }
 
-/// Samples whose values say more than a setting's own description: texts, and ends of ranges.
+/// Samples of values beyond a setting's own description: texts, and ends of ranges.
 const std::vector<Sample>& chosenSamples() {
   static const std::vector<Sample> all = {
       {"--fps", {"30", "50"}},
@@ -354,7 +354,7 @@ TEST(Orders, AreTheSameInASceneFile) {
   EXPECT_EQ(termsOfScene("[model]\nthickness = 0.030 # metres\n[environment]\nground = true\n"),
             termsOf({"--ground", "--thickness", "0.03"}));
   EXPECT_EQ(termsOfScene("[environment]\ngravity = [0, 0, -1]\n"), termsOf({"--gravity", "-1"}));
-  // Timelines and obstacles count by what they say, not how.
+  // The content of timelines and obstacles matters, not their spelling.
   const std::string moved = termsOfScene(
       "[[obstacle]]\nshape = 'sphere'\nradius = 1\nposition = [0, 0, 1]\n"
       "[[timeline]]\nat = 1\npin = [0]\n");

@@ -1,5 +1,5 @@
 // Scenes that do not fit their model, through the real program: one line, exit code 2, no files;
-// runs that lock or diverge: a summary that says so, exit code 3 or 1.
+// runs that lock or diverge: a report in the summary, exit code 3 or 1.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -78,7 +78,7 @@ TEST_F(BadScene, UnknownKeysSuggestTheNearest) {
   expectRefused(simulate("", {"--spring_stifness", "3"}), ", did you mean --spring-stiffness?");
 }
 
-TEST_F(BadScene, ALockedRunSaysSo) {
+TEST_F(BadScene, ALockedRunReportsIt) {
   // All tiles are held.
   const ProgramEnd end = simulate("", {"--pin", "0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15"});
   EXPECT_EQ(end.exitCode, kEndedShort) << end.out;
@@ -88,7 +88,7 @@ TEST_F(BadScene, ALockedRunSaysSo) {
 }
 
 // One tile is held, another falls out of all bounds.
-TEST_F(BadScene, ADivergedRunSaysSoAndFails) {
+TEST_F(BadScene, ADivergedRunReportsSoAndFails) {
   writeText(scratch_ / "loose/vertices.txt", "0 0 0 1 0 0 1 1 0 0 1 0\n2 0 0 3 0 0 3 1 0 2 1 0\n");
   writeText(scratch_ / "loose/constraints.txt", "# no joints\n");
   const ProgramEnd end =
@@ -106,7 +106,7 @@ TEST_F(BadScene, AFallingSheetDoesNotDiverge) {
   EXPECT_EQ(summary()["outcome"], "out_of_time");
 }
 
-TEST_F(BadScene, ARunWhoseTimeIsUpSaysWhetherItIsAtItsTarget) {
+TEST_F(BadScene, ARunWhoseTimeIsUpReportsWhetherItIsAtItsTarget) {
   EXPECT_EQ(simulate("", {"--duration", "0.05", "--path", "dynamic"}).exitCode, kEndedShort);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], false);

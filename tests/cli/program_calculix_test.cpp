@@ -150,7 +150,7 @@ TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
   EXPECT_LT(missAtTheEnd("cap"), 1e-6);  // measured: 7.2e-8
 }
 
-TEST(ProgramCheck, SaysHowMuchElementsMatter) {
+TEST(ProgramCheck, ReportsHowMuchElementsMatter) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const TemporaryFolder scratch;
   const std::string out = scratch.path().string();

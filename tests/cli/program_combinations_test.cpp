@@ -354,7 +354,7 @@ class Combinations : public testing::Test {
     EXPECT_THAT(end.err, testing::Not(testing::HasSubstr("Sanitizer")));
     EXPECT_THAT(end.err, testing::Not(testing::HasSubstr("runtime error")));
     if (!isFine) ++faults_;
-    // A run whose bricks are lost fails (exit code 1), and its output says why.
+    // A run whose bricks are lost fails (exit code 1), and its output reports the reason.
     const Words printed = lines(end.err);
     const auto errors = std::ranges::count_if(printed, isError);
     if (end.exitCode == 2) {

@@ -40,7 +40,7 @@ TEST_F(ProgramExport, WritesStatesAndPrintsTheirNames) {
   EXPECT_THAT(end.out, HasSubstr("state_50pct.obj\n"));
 }
 
-TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
+TEST_F(ProgramExport, ReportsWhatIsWrongInOneLine) {
   const auto complaint = [&](const std::vector<std::string>& options) {
     const ProgramEnd end = exported(options);
     EXPECT_EQ(end.exitCode, 2);

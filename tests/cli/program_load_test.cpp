@@ -110,7 +110,7 @@ TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
   EXPECT_LT(found.softest, 0);
 }
 
-// A Miura sheet stays stable. A Kresling tower has unstable modes on its way.
+// A Miura sheet stays stable. A Kresling tower has unstable modes along its path.
 TEST(ProgramLoad, PlotsItsLoadCurve) {
   if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to make origami";
   const TemporaryFolder scratch;

@@ -42,7 +42,7 @@ TEST_F(PageCommand, IsWrittenByARunToo) {
   EXPECT_EQ(readText(other / "page.html"), readText(run() / "page.html"));
 }
 
-TEST_F(PageCommand, SaysWhatIsMissing) {
+TEST_F(PageCommand, ReportsWhatIsMissing) {
   std::filesystem::remove(run() / "trajectory.h5");
   const ProgramEnd end = runKirireel({"page", run().string()});
   EXPECT_EQ(end.exitCode, kInputWrong);

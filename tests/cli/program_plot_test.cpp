@@ -52,7 +52,7 @@ TEST_F(PlotSweep, RunsInOnePlaceAreToBeChosenFrom) {
   EXPECT_THAT(plot(table, {"--where", "path"}).err, HasSubstr("path is not PARAMETER=VALUE"));
 }
 
-TEST_F(PlotSweep, SaysWhatIsMissing) {
+TEST_F(PlotSweep, ReportsWhatIsMissing) {
   EXPECT_THAT(plot("run,rows,end_time\n").err,
               HasSubstr("has no column thickness; there are run, rows, end_time"));
   EXPECT_EQ(plot("run,rows,thickness,end_time\na,1,0.1,\n").err,

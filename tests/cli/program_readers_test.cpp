@@ -1,4 +1,4 @@
-// What other programs say of decks, meshes and facets: skipped where they are not installed.
+// Checks decks, meshes and facets with other programs. Skipped if they are not installed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ void exportAs(const std::string& run, const std::string& style, const std::strin
   ASSERT_EQ(end.exitCode, 0) << end.err;
 }
 
-/// What a shell loop over files of this ending says.
+/// The output of a shell loop over files of this ending.
 std::string saidOfAll(const std::string& folder, const std::string& ending,
                       const std::string& command) {
   return test::outputOf("cd '" + folder + "' && for file in *" + ending + "; do " + command +

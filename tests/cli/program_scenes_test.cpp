@@ -41,7 +41,7 @@ class Scenes : public testing::Test {
   }
 
   /// Runs the model half way, then from the start through that state to the target, and compares
-  /// the end with that of the direct way.
+  /// the end with that of the direct path.
   double waypointDetour(const std::filesystem::path& model) {
     writeText(scratch_ / "half.toml", "[[timeline]]\nprogress = 0.5\nquit = true\n");
     simulate(model, {"--scene", (scratch_ / "half.toml").string()});

@@ -173,7 +173,7 @@ TEST_F(SweepProgram, KilledAndResumedGivesTheSameTable) {
   }
 }
 
-TEST_F(SweepProgram, InterruptEndsItAndSaysHowToGoOn) {
+TEST_F(SweepProgram, InterruptEndsItAndReportsHowToContinue) {
   writeText(
       folder_ / "sweep.toml",
       "generate = \"tessellation\"\n[base]\nsolver = \"bullet\"\n[grid]\nsubsteps = [10000]\n");

@@ -1,4 +1,4 @@
-// What the program says of targets that cannot be reached, and of starts that it moves.
+// Reports about targets that cannot be reached, and about moved starts.
 #include <algorithm>
 #include <filesystem>
 

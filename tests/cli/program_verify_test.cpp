@@ -59,7 +59,7 @@ TEST_F(Verify, CatchesAFlippedByteInEachFile) {
   EXPECT_EQ(verify().exitCode, 0);
 }
 
-TEST_F(Verify, SaysWhatIsWrong) {
+TEST_F(Verify, ReportsWhatIsWrong) {
   const std::string whole = readText(folder() / "final.obj");
   writeText(folder() / "final.obj", whole + "#");
   EXPECT_EQ(verify().out, (folder() / "final.obj").string() + ": " +

@@ -34,7 +34,7 @@ def blocks_of(name):
 
 
 def commands(kind, block, place):
-    """Shell commands that do what a block says. place: "here", or in a Debian that has nothing else "clone"
+    """Shell commands that run a block. place: "here", or in a Debian that has nothing else "clone"
     (in the folder of the sources) or "packages" (which are in /root)."""
     here = "'END OF BLOCK'"
     lines = [line for line in block.replace("\\\n", " ").splitlines() if line]

@@ -80,7 +80,7 @@ def writeTiles(path, tiles):
 
 
 # ---------------------------------------------------------------------------------------------------
-# Transformations. Each says how points and directions move, and how its results are put into the
+# Transformations. Each defines how points and directions move, and how its results are put into the
 # original order again.
 
 class Transformation:

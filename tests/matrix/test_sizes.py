@@ -5,7 +5,7 @@
 
 The same sheet is given in mm, in inches and in metres; the long test also places it upright.
 Readers: meshio (STL, VTU, decks), Gmsh (MSH, STL), VTK (OBJ, PLY, GLB), librsvg (SVG), and
-what a DXF, FOLD and text file says of itself. Returns 77 (skipped) without these packages.
+the declared units of a DXF, FOLD and text file. Returns 77 (skipped) without these packages.
 """
 import json
 import os
@@ -165,7 +165,7 @@ def check(unit, upright, scratch):
         for reader, measure, bound in readers:
             try:
                 size = measure(os.path.join(to, files[0]))
-            except Exception as error:  # of a reader, which says what it does not take
+            except Exception as error:  # of a reader, with the reason of the refusal
                 failed += 1
                 print(f"{name}, {form} by {reader}: {type(error).__name__} {error} FAILS")
                 continue

@@ -13,7 +13,7 @@ def model_folder(name):
 
 
 def run_program(*words):
-    """Runs the program; its exit code says too how a run ended, so only 1 and 2 are failures."""
+    """Runs the program. Exit codes also report the end of a run, so only 1 and 2 are failures."""
     end = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=SOURCES)
     assert end.returncode not in (1, 2), end.stderr
     return end

@@ -1,4 +1,4 @@
-"""What a type checker says of right and of wrong calls."""
+"""The results of a type checker for right and wrong calls."""
 
 import os
 import pathlib

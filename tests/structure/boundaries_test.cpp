@@ -245,7 +245,7 @@ TEST(Boundaries, EveryHeaderIsIncludedOnce) {
     if (!file.path.ends_with(".h")) continue;
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
     EXPECT_NE(text.find("#pragma once"), std::string::npos) << file.path;
-    EXPECT_TRUE(text.starts_with("/// ")) << file.path << " does not say what it is for";
+    EXPECT_TRUE(text.starts_with("/// ")) << file.path << " has no comment with its purpose";
   }
 }
 

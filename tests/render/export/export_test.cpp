@@ -70,7 +70,7 @@ TEST_F(Export, FindsStatesBySharesTimesAnglesAndEvents) {
   EXPECT_EQ(states({"all"}).size(), 11U);
 }
 
-TEST_F(Export, SaysWhatIsNotInTheTrajectory) {
+TEST_F(Export, ReportsWhatIsNotInTheTrajectory) {
   EXPECT_EQ(refusal({"1.2"}), "error: state '1.2' is not in the trajectory; it goes from 0 to 1 s");
   EXPECT_EQ(refusal({"-1s"}), "error: state '-1s' is not in the trajectory; it goes from 0 to 1 s");
   EXPECT_EQ(refusal({"101%"}),

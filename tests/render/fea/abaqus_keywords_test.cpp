@@ -29,7 +29,7 @@ std::vector<std::string> split(const std::string& text, char at) {
   return words;
 }
 
-/// What the manual says of a keyword.
+/// The manual's rules of a keyword.
 struct Keyword {
   std::string place;                                        ///< model, step or both
   std::map<std::string, std::set<std::string>> parameters;  ///< with their values, if these are few

@@ -163,7 +163,7 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   EXPECT_NEAR(std::abs(about), 100, 1e-2);  // measured: 100.0018
 }
 
-/// What a periodic job says of its control nodes, and the energy of the sheet.
+/// The results of a periodic job at its control nodes, and the energy of the sheet.
 struct Strained {
   std::vector<Vector3> moved;
   double energy = 0;  ///< joules

@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
                     fea::ElementRule{4, 1, false, fea::JointStyle::Patch, 0.26},
                     fea::ElementRule{4, 1, true, fea::JointStyle::Patch}));
 
-/// A tile of the given length and width, 0.02 or as thick as said.
+/// A tile of the given length and width, with a thickness of 0.02 m by default.
 Layout strip(double length, double width, double thickness) {
   return test::layoutOf(
       {model::Tile{{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}}, {}, thickness);
@@ -151,7 +151,7 @@ TEST(Bending, OfPlatesIsThatOfKirchhoff) {
   EXPECT_NEAR(plate(0.0255, "CORNER, 3, 3\n"), 1, 0.02);  // measured: 1.014
 }
 
-/// By how much a clamped square deflects too little, as exportWarnings() says; 0 without a warning.
+/// The missing deflection of a clamped square according to exportWarnings(); 0 without a warning.
 double errorInWarning(double thickness, const fea::ElementRule& rule) {
   scene::Scene scene;
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};

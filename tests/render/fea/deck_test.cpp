@@ -144,7 +144,7 @@ TEST(Deck, SharesOnlyTheNodesOfOneFace) {
   }
 }
 
-TEST(Deck, SaysHowFarCornersWereApart) {
+TEST(Deck, ReportsHowFarCornersWereApart) {
   Layout layout = test::hingedSquares();
   layout.poses[3].position.x() += 0.001;
   EXPECT_THAT(textOf(meshOf(layout)), HasSubstr("holds together: 0.00"));
@@ -295,7 +295,7 @@ TEST(Deck, NamesTheSidesOfTilesByTheirEdges) {
   }
 }
 
-TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
+TEST(Deck, ReportsWhereItComesFromAndWhatIdealHingesDo) {
   const fea::ElementMesh mesh = meshOf(test::hingedSquares());
   EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
@@ -393,7 +393,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
 
 TEST(Supports, CountTheFlatMechanismsOfClosedSquares) {
   // Slits of n x n squares open along each of their 2 n - 2 lines, and the sheet turns as one: 2 n
-  // + 1 motions in the plane. With hinges the whole moves in three more ways. On ball joints of one
+  // + 1 motions in the plane. With hinges the whole has three more motions. On ball joints of one
   // face each tile has three, less one for each of the 2 n (n - 1) joints.
   for (const int n : {5, 20, 40}) {
     model::Model model = model::makeTessellation(test::squares(n, n, 0));
@@ -493,7 +493,7 @@ TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
               HasSubstr("use at least 3 elements per edge"));
 }
 
-TEST(Periodic, SaysWhichSheetsRepeat) {
+TEST(Periodic, ReportsWhichSheetsRepeat) {
   const auto refusal = [](const Layout& layout, const fea::ElementRule& rule) {
     return test::refusalOf([&] { fea::periodicity(meshOf(layout, rule)); });
   };

@@ -58,14 +58,14 @@ TEST_P(GmshProgram, KeepsSetsAndElements) {
   }
 }
 
-/// What gmsh -check says of a mesh.
+/// The output of gmsh -check for a mesh.
 std::string checked(const fea::ElementMesh& mesh) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "x.msh", fea::gmshMesh(mesh));
   return test::outputOf("cd '" + folder.path().string() + "' && gmsh -check x.msh 2>&1; true");
 }
 
-/// That gmsh -check has nothing to say of a mesh.
+/// Expects that gmsh -check reports no error for a mesh.
 void expectCoherent(const fea::ElementMesh& mesh) {
   const std::string said = checked(mesh);
   EXPECT_THAT(said, testing::HasSubstr("Done checking mesh coherence"));
@@ -155,7 +155,7 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   EXPECT_NEAR(areaOf(open), expected, 1e-9);
 }
 
-TEST(NeckMesh, SaysWhichNecksFit) {
+TEST(NeckMesh, ReportsWhichNecksFit) {
   const model::Model shut = model::makeTessellation(test::squares(2, 2, 0));
   const auto refusal = [](const model::Model& model,
                           const writers::NeckShape& shape) -> std::string {

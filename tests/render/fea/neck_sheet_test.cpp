@@ -234,7 +234,7 @@ NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
   return pair;
 }
 
-/// What neck_compliance.py says of the neck between two tiles.
+/// The results of neck_compliance.py for the neck between two tiles.
 std::vector<double> neckByDeck(const model::Model& model, const writers::NeckShape& neck,
                                const std::string& moment = "") {
   const test::TemporaryFolder folder;
@@ -284,7 +284,7 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
   EXPECT_NEAR(1 / neck.shear / found[3], 1, misses[3]) << what;
 }
 
-/// The numbers of N m/rad that a deck says of its necks.
+/// The stiffness of its necks in the comment of a deck, N m/rad.
 std::vector<double> deckStiffness(const std::vector<model::Tile>& tiles,
                                   const std::vector<model::Joint>& joints,
                                   const writers::NeckShape& neck) {

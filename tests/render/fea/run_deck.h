@@ -11,7 +11,7 @@ namespace kirireel::test {
 
 inline const fea::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
 
-/// What ccx said and what it left in job.dat.
+/// The output of ccx and its job.dat.
 struct JobEnd {
   std::string log;
   std::string data;

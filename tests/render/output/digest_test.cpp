@@ -25,7 +25,7 @@ TEST(DigestOf, ReadsTheWholeFile) {
   EXPECT_EQ(digest.sha256, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST(DigestOf, SaysWhichFileCannotBeRead) {
+TEST(DigestOf, ReportsWhichFileCannotBeRead) {
   const test::TemporaryFolder folder;
   try {
     output::digestOf(folder.path(), "file");

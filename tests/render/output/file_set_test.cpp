@@ -199,7 +199,7 @@ TEST_F(FileSetTest, AddsToWhatARunLeft) {
   EXPECT_EQ(found(), (Contents{{"b.txt", "new"}}));
 }
 
-TEST_F(FileSetTest, SaysWhyAFolderCannotBeMade) {
+TEST_F(FileSetTest, ReportsWhyAFolderCannotBeMade) {
   test::writeText(folder_ / "file", "");
   for (const fs::path& place : {folder_ / "file", folder_ / "file" / "in"}) {
     EXPECT_THAT([&] { const output::FileSet files(place, output::kSummary); },

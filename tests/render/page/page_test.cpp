@@ -130,7 +130,7 @@ TEST_F(WebPage, IsRefusedAboveItsSize) {
     EXPECT_THAT(error.what(),
                 HasSubstr(" MB and may have 0.1; give no --exact, or a larger --most-size"));
   }
-  // As many states as it says are few enough.
+  // The number of states in the message is small enough.
   settings_.states = {.samples = 400};
   settings_.mostMegabytes = 25;
   settings_.mostMegabytes = 1e-6 * static_cast<double>(text().size()) - 0.005;

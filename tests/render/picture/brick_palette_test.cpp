@@ -228,7 +228,7 @@ TEST(BrickPalette, NeedsATargetForItsError) {
   }
 }
 
-TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
+TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
   picture::PictureContent content;
   const std::vector<model::Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
                                           polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
@@ -243,7 +243,7 @@ TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::Shape), content)),
             (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
   EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::State), content)),
-            (std::vector<std::string>{"at its start", "on its moving"}));
+            (std::vector<std::string>{"at its start", "on its way"}));
   EXPECT_TRUE(picture::BrickPalette(coloured(picture::Colouring::Plain), content).legend().empty());
 }
 

@@ -26,7 +26,7 @@ out vec4 colour;
 void main() { colour = vec4(1.0); }
 )";
 
-TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
+TEST(ContextDeathTest, ReportsWhatToDoWithoutOpenGl) {
   // In a process of its own, because the driver remembers the first answer.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto makeContext = [] {

@@ -203,7 +203,7 @@ TEST(Grid, LettersItsPanels) {
   EXPECT_GT(surface.places[2 * 3].second, layout.upper(0) + 40 + layout.captionHeight);
 }
 
-TEST(Grid, SaysWhatItsColumnsAre) {
+TEST(Grid, ReportsWhatItsColumnsAre) {
   picture::GridStyle style;
   style.heads = {"flat", "Öffnung 45°"};
   const picture::GridLayout layout = picture::layOutGrid({100, 60}, {2, 2}, style);
@@ -257,7 +257,7 @@ TEST(Grid, LeadsFromPictureToPictureByArrows) {
   EXPECT_EQ(layout.sheet.width, layout.left(2) + 100 + layout.gap);
 }
 
-TEST(CaptionText, SaysTheChosenParts) {
+TEST(CaptionText, ReportsTheChosenParts) {
   const picture::CaptionValues values{0.125, 1.25, M_PI / 4, 0.00123, 4.56e-13};
   EXPECT_EQ(picture::captionText({.progress = true}, values), "12.5%");
   EXPECT_EQ(picture::captionText({.time = true}, values), "t = 1.25 s");

@@ -201,7 +201,7 @@ TEST(LabelWriter, WritesOnATransparentPicture) {
   EXPECT_EQ(frame.at(0, 0).alpha, 0);
 }
 
-TEST(LabelWriter, SaysHowToGetAFont) {
+TEST(LabelWriter, ReportsHowToGetAFont) {
   ::setenv("KIRIREEL_FONT", "/nowhere/font.ttf", 1);
   try {
     const picture::LabelWriter writer(20);

@@ -120,7 +120,7 @@ void expectColour(const DecodedFrame& decoded, int x, int y, picture::Colour exp
   EXPECT_NEAR(colour[2], expected.blue, tolerance);
 }
 
-TEST(Video, IsWhatFfprobeSaysItIs) {
+TEST(Video, IsConfirmedByFfprobe) {
   if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   const TemporaryFolder folder;
   writeDiskVideo(folder / "disk.mp4", 25);
@@ -187,7 +187,7 @@ TEST(Video, KeepsFlatColoursExactlyWithoutChroma) {
   }
 }
 
-TEST(Video, OtherFormatsAreWhatFfprobeSaysTheyAre) {
+TEST(Video, OtherFormatsAreConfirmedByFfprobe) {
   if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   const TemporaryFolder folder;
   const std::vector<std::pair<const char*, std::vector<const char*>>> expected = {
@@ -396,7 +396,7 @@ TEST(Video, RefusesWhatItsFormatDoesNotHave) {
   EXPECT_EQ(refusal("disk.gif", settings), "error: GIF has no crf; remove --crf");
 }
 
-TEST(Video, SaysWhichEncoderIsMissing) {
+TEST(Video, ReportsWhichEncoderIsMissing) {
   const TemporaryFolder folder;
   picture::VideoSettings settings = settingsOf(kVideoSize);
   settings.encoder = "libx999";
@@ -409,7 +409,7 @@ TEST(Video, SaysWhichEncoderIsMissing) {
   EXPECT_TRUE(folder.isEmpty());
 }
 
-TEST(Video, SaysThatTheEncoderRefusesTheSize) {
+TEST(Video, ReportsThatTheEncoderRefusesTheSize) {
   const TemporaryFolder folder;
   const picture::VideoSettings settings = settingsOf({16384, 16384});
   const std::filesystem::path path = folder / "disk.mp4";
@@ -462,7 +462,7 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-TEST(Video, SaysThatTheDiskIsFull) {
+TEST(Video, ReportsThatTheDiskIsFull) {
   const TemporaryFolder folder;
   std::string message;
   {

@@ -163,7 +163,7 @@ TEST(CurvesPlot, IsAsWideAsItIsToBe) {
   EXPECT_GT(blue, 300);  // measured 1300: three lines, each across half of the figure
 }
 
-TEST(CurvesPlot, SaysThatThereIsNothing) {
+TEST(CurvesPlot, ReportsThatThereIsNothing) {
   record::PlottedRun run = someRun();
   run.groups = {run.groups[2]};
   EXPECT_THROW(record::plotCurves({run}, picture::PageFormat::Svg, {}), InputError);

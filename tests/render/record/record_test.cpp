@@ -326,7 +326,7 @@ TEST_F(RecordTest, ErrorsThatDoNotExistAreNull) {
   EXPECT_THAT(json, HasSubstr("\"rigid_bound\": null"));
 }
 
-TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
+TEST_F(RecordTest, DivergedRunLeavesItsFilesAndReportsIt) {
   scene::Scene scene = tessellationScene();
   // The explicit baseline with a stiffness far beyond its step.
   scene.solver.kind = scene::SolverKind::Bullet;

@@ -83,7 +83,7 @@ TEST_F(ReplayTest, AShorterRunStaysAtItsEnd) {
                                           testing::Pair(1, 0.2)));
 }
 
-TEST_F(ReplayTest, StopsWhereTheObserverSaysSo) {
+TEST_F(ReplayTest, StopsWhenTheObserverRequestsIt) {
   EXPECT_EQ(timesOfReplay(0.1, 3).size(), 3U);
   EXPECT_NEAR(*report_.stoppedAt, 0.2, 1e-12);
   EXPECT_EQ(report_.stoppedBy, "the test");

@@ -81,7 +81,7 @@ TEST_F(CollectTest, ArraysHoldNumbersAndTexts) {
   EXPECT_THAT(reader.textAttribute("/", "columns"), testing::StartsWith("run,k,status,reason"));
 }
 
-TEST_F(CollectTest, SaysWhichSummaryIsDamaged) {
+TEST_F(CollectTest, ReportsWhichSummaryIsDamaged) {
   finish("b", "{");
   EXPECT_THAT([&] { gatherThree(); },
               testing::ThrowsMessage<InputError>(

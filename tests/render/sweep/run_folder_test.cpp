@@ -69,7 +69,7 @@ TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
   EXPECT_FALSE(take(true));
 }
 
-TEST_F(RunFolderTest, SaysWhenARecordIsDamaged) {
+TEST_F(RunFolderTest, ReportsWhenARecordIsDamaged) {
   std::filesystem::create_directory(finished());
   std::ofstream(finished() / "run.json") << "{";
   EXPECT_THAT([&] { take(); }, testing::ThrowsMessage<InputError>(testing::EndsWith(

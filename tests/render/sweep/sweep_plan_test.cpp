@@ -37,7 +37,7 @@ TEST(Grid, CountsRepeatedValuesOnce) {
   EXPECT_EQ(sweep::SweepPlan::grid({axis("a", {"1", "2", "1"})}).size(), 2U);
 }
 
-TEST(Grid, ThatIsTooLargeToCountSaysSo) {
+TEST(Grid, ThatIsTooLargeToCountIsReported) {
   const std::vector<std::string> ten = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
   const std::vector<sweep::SweepAxis> axes(21, axis("a", ten));
   const sweep::SweepPlan plan = sweep::SweepPlan::grid(axes);

@@ -114,7 +114,7 @@ TEST(WorkerPool, KilledJobIsTriedOnceMore) {
   EXPECT_EQ(pool.verdicts[sweep::Verdict::Done], 4);
 }
 
-TEST(WorkerPool, EndsAllWhenTheWatcherSaysSo) {
+TEST(WorkerPool, EndsAllWhenTheWatcherRequestsIt) {
   const auto begin = [next = 0]() mutable { return std::optional<std::uint64_t>(next++); };
   const auto hang = [](std::uint64_t) {
     while (true) ::pause();

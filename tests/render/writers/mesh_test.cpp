@@ -394,7 +394,7 @@ TEST(Mesh, HasTheSameBytesTwice) {
   }
 }
 
-TEST(Mesh, SaysWhichEndingsItKnows) {
+TEST(Mesh, ReportsWhichEndingsItKnows) {
   const Layout layout = polygons();
   const TemporaryFolder folder;
   for (const auto& [name, ending] :
@@ -426,7 +426,7 @@ TEST(Mesh, LeavesNothingWhereItCannotWrite) {
   EXPECT_TRUE(folder.isEmpty());
 }
 
-TEST(Mesh, SaysThatAssimpCannot) {
+TEST(Mesh, ReportsThatAssimpCannot) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "empty.ply";
   try {

@@ -16,7 +16,7 @@ int numberAfter(const std::string& output, const std::string& label) {
   return place == std::string::npos ? -1 : std::stoi(output.substr(place + label.size()));
 }
 
-/// What a program says of a mesh of four hinged squares.
+/// The output of a program for a mesh of four hinged squares.
 std::string judgement(const std::string& command, const std::string& name) {
   const test::Layout layout = test::hingedSquares();
   const test::TemporaryFolder folder;

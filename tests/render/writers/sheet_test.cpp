@@ -112,7 +112,7 @@ TEST(CutPattern, KeepsTheNecksOfTheModel) {
   std::map<writers::PatternLayer, double> sums = lengths(writers::cutPattern(model, std::nullopt));
   EXPECT_NEAR(sums[writers::PatternLayer::Hinges], sum, 1e-12);
   EXPECT_NEAR(sums[writers::PatternLayer::Slits], 4 - sum, 1e-12);
-  // Without necks a twentieth of the tile size, and what the user says wins.
+  // Without necks a twentieth of the tile size, and the user's value has priority.
   model.joints[0].neck = {};
   sums = lengths(writers::cutPattern(model, std::nullopt));
   EXPECT_NEAR(sums[writers::PatternLayer::Hinges], sum - 0.02 + 0.05, 1e-12);
@@ -141,7 +141,7 @@ TEST(NeckOutlines, HaveTheNecksOfTheModel) {
     EXPECT_NEAR(std::abs(areaOf(outline, outline.necks[j])),
                 0.01 * (model.joints[j].neck.width - 0.005), 1e-12);
   }
-  // What the user says wins: a width for all of them, their lengths stay.
+  // The user's value has priority: one width for all, their lengths stay.
   const writers::NeckOutline wide = writers::neckOutline(model, {.width = 0.1});
   for (const std::vector<int>& neck : wide.necks) {
     EXPECT_NEAR(std::abs(areaOf(wide, neck)), 0.01 * 0.1, 1e-12);
@@ -174,7 +174,7 @@ std::string refusal(const model::Model& model, double width) {
   return test::refusalOf([&] { writers::cutPattern(model, width); });
 }
 
-TEST(CutPattern, SaysWhatHasNone) {
+TEST(CutPattern, ReportsWhatHasNone) {
   model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
   EXPECT_EQ(refusal(model, 0),
             "error: hinges cannot be 0 m wide; give a positive --hinge-width, "

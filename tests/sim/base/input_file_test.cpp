@@ -62,7 +62,7 @@ TEST(InputRecord, IsPerThread) {
   EXPECT_TRUE(files.empty());
 }
 
-TEST(TextFile, SaysWhyItIsNotRead) {
+TEST(TextFile, ReportsWhyItIsNotRead) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "a.txt").string();
   const auto reading = [&file] { readTextFile(file, "give one", 3); };

@@ -21,7 +21,7 @@ TEST(JsonText, ReplacesBytesThatAreNoUtf8) {
   EXPECT_EQ(jsonText(Json("caf\xe9")), "\"caf\xef\xbf\xbd\"");
 }
 
-TEST(ParseJson, SaysWhereTheSyntaxIsWrong) {
+TEST(ParseJson, ReportsWhereTheSyntaxIsWrong) {
   try {
     parseJson("{\n  \"a\": 1,,\n}");
     FAIL() << "was read";

@@ -76,7 +76,7 @@ TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
                 ": error: cannot write in this folder (Permission denied). Choose another folder");
 }
 
-TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {
+TEST_F(PendingFileTest, ReportsWhenItCannotBePutInPlace) {
   fs::create_directory(folder_ / "a.txt");
   std::ofstream(folder_ / "a.txt" / "inside") << "x";
   EXPECT_EQ(test::refusalOf<OutputError>([&] { writeTextFile(folder_ / "a.txt", "text"); }),
@@ -116,7 +116,7 @@ class SmallFiles {
   void (*signalBefore_)(int) = std::signal(SIGXFSZ, SIG_IGN);
 };
 
-TEST_F(PendingFileTest, SaysWhenTheFileCannotGrow) {
+TEST_F(PendingFileTest, ReportsWhenTheFileCannotGrow) {
   const auto write = [&] {
     const SmallFiles limit(3);
     writeTextFile(folder_ / "a.txt", "text");

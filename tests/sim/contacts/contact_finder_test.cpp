@@ -381,7 +381,7 @@ TEST(ContactFinder, GivesAPlaneOnceInAStep) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(same(contacts[i], contacts[j]));
   }
   const std::size_t first = contacts.size();
-  EXPECT_GT(finder.appendViolated(end, contacts), 0.05);  // still said, though nothing is new
+  EXPECT_GT(finder.appendViolated(end, contacts), 0.05);  // still reported, though nothing is new
   EXPECT_EQ(contacts.size(), first);
 }
 

@@ -122,7 +122,7 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
       const double start = energy(run.trajectory.samples.front());
       double before = start;
       for (const trajectory::Sample& sample : run.trajectory.samples) {
-        // At rest a run is nudged, by 1e-11 of it.
+        // At rest a run is perturbed, by 1e-11 of it.
         EXPECT_LE(energy(sample), before + 1e-9 * start) << youngs << " " << step;
         before = energy(sample);
       }

@@ -84,7 +84,7 @@ TEST(Blockage, NothingBlocksWithoutContacts) {
   EXPECT_TRUE(blockingOf(scene).empty());
 }
 
-TEST(Blockage, ARunThatIsStoppedByContactSaysWhere) {
+TEST(Blockage, ARunThatIsStoppedByContactReportsWhere) {
   const run::DeploymentResult result = deploy::deploy(foldedPair(1), 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Locked) << result.reason;
   EXPECT_THAT(result.reason, HasSubstr("contact stops tiles 0 and 1"));

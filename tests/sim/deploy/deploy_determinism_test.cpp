@@ -40,7 +40,7 @@ TEST(DeployTwice, GivesTheSameBytes) {
   }
 }
 
-/// Whether two seeds of the nudge give a scene the same motion.
+/// Whether two seeds of the perturbation give a scene the same motion.
 bool dependsOnTheSeed(scene::Scene scene) {
   const trajectory::Trajectory first = deploy::deploy(scene, 0.05, nullptr).trajectory;
   scene.solver.seed = 2;

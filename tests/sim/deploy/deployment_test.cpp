@@ -154,7 +154,7 @@ TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
     for (std::size_t i = 0; i < sample.poses.size(); ++i) {
       const Vector3& from = steps[before].poses[i].position;
       const Vector3 move = steps[after].poses[i].position - from;
-      // Closing the joints hardly leaves the straight way between two steps.
+      // Closing the joints hardly leaves the straight line between two steps.
       const double aside = (sample.poses[i].position - from - share * move).norm();
       EXPECT_LT(aside, 5e-4) << sample.time;  // edges of 1 m; measured 1.8e-4
     }

@@ -97,7 +97,8 @@ TEST_P(Expansion, EndsAtTheSheetsLimitWhateverItsStrengthAndInItsPlane) {
       for (const trajectory::Sample& sample : samples) {
         for (std::size_t i = 0; i < sample.poses.size(); ++i) {
           const double start = samples.front().poses[i].position.z();
-          EXPECT_NEAR(sample.poses[i].position.z(), start, 1e-6);  // measured 6e-8: the nudge
+          EXPECT_NEAR(sample.poses[i].position.z(), start,
+                      1e-6);  // measured 6e-8: the perturbation
         }
       }
     }

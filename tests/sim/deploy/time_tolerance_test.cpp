@@ -107,7 +107,7 @@ TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
   EXPECT_EQ(run.cost.took.singularTime, 0);
 }
 
-TEST(TimeTolerance, SaysForHowLongContactsWereTooMany) {
+TEST(TimeTolerance, ReportsForHowLongContactsWereTooMany) {
   // Weights fall on a heap: their corners come down one after the other, and slide.
   scene::Scene scene;
   for (int layer = 0; layer < 6; ++layer) {

@@ -39,7 +39,7 @@ TEST(ConstrainedFit, MindsNoRepeatedEquations) {
   EXPECT_LT(fit.violation, 1e-13);
 }
 
-TEST(ConstrainedFit, SaysWhenEquationsContradictEachOther) {
+TEST(ConstrainedFit, ReportsWhenEquationsContradictEachOther) {
   const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     for (const double value : {1.0, 2.0}) {
       equations.exact.begin(x[0] - value);

@@ -15,8 +15,8 @@ namespace {
 
 using test::JoinedBricks;
 
-/// An opened sheet whose joints are ligaments of a length (0: compliant pins), as stiff as said in
-/// stretch and in shear on the scale of a tile, with springs at its hinges. Joints of the first
+/// An opened sheet whose joints are ligaments of a length (0: compliant pins), with the stiffness
+/// in stretch and in shear on the scale of a tile, with springs at its hinges. Joints of the first
 /// `exact` tiles stay exact.
 JoinedBricks ligamentSheet(int side, double length, double stiffness, double bending,
                            double damping, int exact = 0) {

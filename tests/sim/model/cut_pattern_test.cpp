@@ -370,7 +370,7 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
   }
 }
 
-TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
+TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
               HasSubstr("a.svg: error: the drawing has no lines of a sheet"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,

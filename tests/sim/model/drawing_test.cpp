@@ -195,7 +195,7 @@ TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
   expectPoints(drawn("A.SVG", wide), kCorner);
 }
 
-TEST(SvgDrawing, SaysWhatIsWrong) {
+TEST(SvgDrawing, ReportsWhatIsWrong) {
   EXPECT_THAT(refusal("a.svg", "<svg>\n<path d=\"M0 0\"</svg>"),
               HasSubstr("a.svg:2: error: this is not XML"));
   EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M 0 x\"/></svg>"), HasSubstr("'x' is not a number"));
@@ -318,7 +318,7 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
               ElementsAre(Pair("line on a layer that is off", 2), Pair("mtext", 1)));
 }
 
-TEST(DxfDrawing, SaysWhatIsWrong) {
+TEST(DxfDrawing, ReportsWhatIsWrong) {
   EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
               HasSubstr("a LINE lacks an end"));
   EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"),

@@ -215,7 +215,7 @@ TEST(FoldFile, LettersGiveTheSign) {
   ASSERT_TRUE(upright.model.target);
   EXPECT_LT((cornerOf(*upright.model.target, 1, 1) - Vector3(1, 0, -1)).norm(), 1e-15);
   EXPECT_DOUBLE_EQ(upright.model.foldAngles.at({0, 1}), -90 * kDegree);
-  // Angles that are given count, letters of a folded form say nothing of how to fold it.
+  // Given angles count. Letters of a folded form do not define its folds.
   const json zero = {{"edges_foldAngle", {0, 0, 0, 0, 0, 0, 0}}};
   EXPECT_EQ(readText(edited(twoSquares(), zero).dump()).said,
             "@/a.fold: warning: 1 edges have a letter (M or V) and the angle 0, so nothing folds; "
@@ -670,7 +670,7 @@ TEST(RoundTrips, KeepTheUnit) {
   }
 }
 
-TEST(MeshFile, SaysWhatObjHoldsBesides) {
+TEST(MeshFile, ReportsWhatObjHoldsBesides) {
   EXPECT_EQ(
       readText(twoTriangles("f 1 2 3 4\nl 1 2\nl 2 3\np 1\ng a\nusemtl b\n"), {}, "a.obj").said,
       "@/a.obj: warning: ignored statements: l (2), p (1)");

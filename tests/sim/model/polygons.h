@@ -1,4 +1,4 @@
-/// Concave polygons for tests, and what can be said of polygons without cutting them into parts.
+/// Concave polygons for tests, and their properties computed without convex parts.
 #pragma once
 
 #include <algorithm>

@@ -359,7 +359,7 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
 }
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
-TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
+TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndReportsByHowMuch) {
   const scene::Scene scene =
       sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
   const double tile = model::tileSize(scene.model);
@@ -422,7 +422,7 @@ TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
             0.1 * model::tileSize(scene.model));
 }
 
-TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
+TEST(Continuation, ReportsThatFlushTilesHoldEachOther) {
   scene::Scene scene = sceneOf(
       generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
   scene.environment.contacts = scene::ContactFilter::All;
@@ -432,7 +432,7 @@ TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
-TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
+TEST(Continuation, ReportsThatBricksHaveNoRoomAtFullExtension) {
   const scene::Scene scene =
       sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 78}}));
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
@@ -483,7 +483,7 @@ TEST(Continuation, ExtendsEachPieceIndependently) {
 }
 
 /// Shared points moved by up to e in all digits, as an optimiser leaves them: the sheet extends as
-/// the exact one does, and says to what its tiles fit.
+/// the exact one does, and reports the misfit of its tiles.
 TEST(Continuation, ExtendsTilesThatFitToATolerance) {
   model::Model exact = generate::generateModel(generate::familyNamed("quads"), {});
   exact.target.reset();
@@ -569,7 +569,7 @@ TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
                   "damping were given. Remove it or use `path = dynamic`"));
 }
 
-TEST(Continuation, SaysWhetherPinsOrATimelineNeedDynamics) {
+TEST(Continuation, ReportsWhetherPinsOrATimelineNeedDynamics) {
   scene::Scene scene = squares();
   std::string reason;
   scene.timeline.push_back({{}, scene::timeline::Pin{{0}}, {}});

@@ -372,7 +372,7 @@ TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
   EXPECT_GT(closed.accuracy.penetrationGrownMax, 0.01);  // measured 0.02
 }
 
-TEST(Path, ClosingTheStartAsGeometrySaysWhatItPushesIntoEachOther) {
+TEST(Path, ClosingTheStartAsGeometryReportsWhatItPushesIntoEachOther) {
   scene::Scene scene = joinedThroughEachOther();
   scene.path.kind = scene::PathKind::Continuation;
   scene.environment.contacts = scene::ContactFilter::Auto;

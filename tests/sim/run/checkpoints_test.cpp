@@ -334,7 +334,7 @@ TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
   runProcess(scene, folder, 20, Ending::Asked);
   const run::DeploymentResult early = runProcess(scene, folder, 5, Ending::Asked);
   EXPECT_EQ(early.outcome, run::Outcome::Interrupted);
-  // What it says is true of the samples that it gave.
+  // Its report holds for the samples that it delivered.
   EXPECT_EQ(early.accuracy.targetErrorEnd, early.trajectory.samples.back().targetError);
   EXPECT_NEAR(early.trajectory.events.back().time, 5 * kInterval, 1e-9);
   std::string found;

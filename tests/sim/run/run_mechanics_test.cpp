@@ -134,7 +134,7 @@ TEST(Energies, CountTheWorkOfAGrip) {
   // Once there is work to speak of.
   const std::vector<trajectory::Sample> later(samples.begin() + 5, samples.end());
   EXPECT_LT(worstBalance(later), 1e-4);  // measured 2.8e-5
-  // A grip pulls with its spring, as its hold says, along the path.
+  // A grip pulls with the spring of its hold along the path.
   bool isGripped = false;
   for (const trajectory::Sample& sample : samples) {
     for (const trajectory::Hold& hold : sample.mechanics->holds) {

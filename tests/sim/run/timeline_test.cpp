@@ -73,7 +73,7 @@ TEST(Drives, NoneDoesNotMoveTheSheet) {
   scene.stop.duration = 1;
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   const auto& samples = result.trajectory.samples;
-  EXPECT_LT(largestMove(samples.front().poses, samples.back().poses), 1e-4);  // the nudge
+  EXPECT_LT(largestMove(samples.front().poses, samples.back().poses), 1e-4);  // the perturbation
   EXPECT_EQ(result.outcome, run::Outcome::Settled);
 }
 

@@ -112,7 +112,7 @@ TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
     }
   };
   expectWidths([](int tiles) { return 0.05 + 0.01 * tiles; });
-  // What the user says wins.
+  // The user's value has priority.
   scene_.hinges.neck = scene::HingeNeck{0.1, 0.3, 2e9};
   expectWidths([](int) { return 0.1; });
 }
@@ -209,7 +209,7 @@ TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   EXPECT_EQ(scene.model.foldAngles.size(), 2u);
 }
 
-// Letters without angles say only to which side springs fold.
+// Letters without angles define only the side to which springs fold.
 TEST(FoldSprings, FoldLettersByTheirOwnRest) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "a.fold", std::ios::binary)

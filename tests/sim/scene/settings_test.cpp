@@ -1,4 +1,4 @@
-// Every setting of a scene, by what the list of settings says of itself.
+// Every setting of a scene, by its description in the list of settings.
 #include "sim/scene/settings.h"
 
 #include <cmath>

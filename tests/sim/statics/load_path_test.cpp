@@ -387,7 +387,7 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
 }
 
 // Squares at 90 degrees are as long as they get, and can turn back to two sides.
-TEST(LoadPath, SaysWhyItDoesNotLeaveALimitOfTheMechanism) {
+TEST(LoadPath, ReportsWhyItDoesNotLeaveALimitOfTheMechanism) {
   model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.5 * kPi;

@@ -295,7 +295,7 @@ TEST(Loading, NamesGripsThatContradictEachOther) {
   all.y = 0;
   held.grips.push_back(all);
   EXPECT_THAT(refusalOf(held), HasSubstr("grip 4 y"));
-  // Grips that say the same agree.
+  // Equal grips agree.
   scene::Scene same = pulledSquares(4, 30 * kDegree, 0.3);
   again.x = 0.3;
   same.grips.push_back(again);
@@ -386,7 +386,7 @@ TEST(Loading, CountsTheEnergyOfBarsWithoutFolds) {
   EXPECT_NEAR(run.elasticity->energyEnd / run.loadCurve->states.back().energy, 1, 1e-12);
 }
 
-// Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.
+// Without springs the length scale defines the stiffness of folds: E t^3 / (12 (1 - nu^2)) / scale.
 TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
   scene::Scene scene = liftedFold();
   scene.hinges.stiffness = 0;

@@ -1,4 +1,4 @@
-// docs/accuracy.md says what its tables say, and these come down to what the studies make of them.
+// docs/accuracy.md agrees with its tables, and these agree with the tables of the studies.
 #include <cstdlib>
 #include <filesystem>
 

@@ -43,7 +43,7 @@ TEST(ClosurePath, ClosesAStateThatIsALittleOff) {
   EXPECT_LT((closed - exact).lpNorm<Eigen::Infinity>(), 1e-12);  // measured 2e-15
 }
 
-TEST(ClosurePath, SaysWhereNothingCloses) {
+TEST(ClosurePath, ReportsWhereNothingCloses) {
   // Two squares joined along an edge at both of its ends cannot turn against each other.
   model::Tile left;
   left.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -41,7 +41,7 @@ TEST(SteppedScene, MovesAsARunDoes) {
     const double moved =
         (end[0].position - run.trajectory.samples.front().poses[0].position).norm();
     EXPECT_GT(moved, 0.1);
-    // The nudge that a run does not give to such a start.
+    // The perturbation that a run does not give to such a start.
     EXPECT_LT(apart, 1e-8) << tolerance;  // measured 5.0e-10
   }
 }

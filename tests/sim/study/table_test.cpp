@@ -53,7 +53,7 @@ TEST(StudyTable, NumbersAreFoundByColumn) {
   EXPECT_EQ(table.text(table.rows[1], "case"), "b");
 }
 
-TEST(StudyTable, SaysWhichColumnIsMissing) {
+TEST(StudyTable, ReportsWhichColumnIsMissing) {
   const study::Table table = sampleTable();
   try {
     table.number(table.rows[0], "gap_m");
@@ -65,7 +65,7 @@ TEST(StudyTable, SaysWhichColumnIsMissing) {
   }
 }
 
-TEST(StudyTable, SaysWhichRowIsRagged) {
+TEST(StudyTable, ReportsWhichRowIsRagged) {
   try {
     readBack("# study: scaling\ncase,tiles\na,1\nb\n");
     FAIL() << "no error";
@@ -76,7 +76,7 @@ TEST(StudyTable, SaysWhichRowIsRagged) {
   }
 }
 
-TEST(StudyTable, SaysWhichFileIsMissing) {
+TEST(StudyTable, ReportsWhichFileIsMissing) {
   try {
     study::readCsv("/nowhere/scaling.csv");
     FAIL() << "no error";

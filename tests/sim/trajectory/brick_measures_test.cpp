@@ -14,7 +14,7 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-/// A tessellation with every brick moved and turned in its own way.
+/// A tessellation with every brick with its own displacement and rotation.
 struct ScatteredTiles {
   model::Model model = model::makeTessellation({});
   std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});

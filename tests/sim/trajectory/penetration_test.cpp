@@ -83,7 +83,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
   const Pose origin;
   // Side by side, overlapping by 0.01 along x: less than the thickness.
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
-  // Deep in each other: the thickness is the shortest way out.
+  // Deep in each other: the thickness is the least separation.
   EXPECT_NEAR(depthOf(a, origin, b, {{0.2, 0.3, 0.005}}), 0.015, 1e-15);
   // Separate.
   EXPECT_EQ(depthOf(a, origin, b, {{1.51, 0, 0}}), 0);
@@ -94,7 +94,7 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
   const model::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose poseB{{1.2, 0.3, 0}};
   EXPECT_NEAR(depthOf(a, {}, b, poseB), 0.3, 1e-15);
-  // A little above it, the way out is over the other.
+  // A little above it, the separation is over the other.
   EXPECT_NEAR(depthOf(a, {}, b, {{1.2, 0.3, 0.001}}), 0.019, 1e-15);
   // In any plane, and turned over.
   const Quaternion turn = rotationFromVector({-1, 0.3, 2});
@@ -107,7 +107,7 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
 
 TEST(Penetration, OfABrickThroughAnotherHasTheClosedForm) {
   // A thin upright bar through the middle of a plate: both reach beyond what they share, on two
-  // axes. The shortest way out is along x: half of the plate and half of the bar.
+  // axes. The least separation is along x: half of the plate and half of the bar.
   const model::Brick plate = box(1, 4, 1), bar = box(0.2, 6, 0.2);
   const Pose upright{{0, 0, 0}, rotationFromVector({kPi / 2, 0, 0})};
   EXPECT_NEAR(depthOf(plate, {}, bar, upright), 0.6, 1e-15);
@@ -346,7 +346,7 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   }
 }
 
-TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
+TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
   const std::vector<model::Brick> bricks(many.size(), box(1, 1, 0.1));
   trajectory::PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);

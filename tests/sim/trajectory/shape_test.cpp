@@ -275,7 +275,7 @@ TEST(RunCurves, TellEnergiesAndForces) {
   EXPECT_EQ(curves.joints[joints + 3].values.back(), 1);
 }
 
-// A path is geometry: how fast it is played back says nothing of energies.
+// A kinematic path has no energies, because its playback speed is arbitrary.
 TEST_F(RunCurvesOfSquares, HaveNoKineticEnergyWithoutDynamics) {
   for (const double value : curveNamed(curves_, "kinetic_energy_J").values) {
     EXPECT_TRUE(std::isnan(value));

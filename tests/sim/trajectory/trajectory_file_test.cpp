@@ -471,7 +471,7 @@ TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
       insideOut);
 }
 
-/// What is said of a trajectory's file after Python lines that change `f`, h5py's view of it.
+/// The error for a trajectory file after Python lines that change `f`, h5py's view of it.
 std::string refusalAfterPython(const std::string& lines) {
   const TemporaryFolder folder;
   trajectory::writeTrajectory(randomTrajectory(3), folder / "run.h5");
@@ -516,7 +516,7 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
             "error: an array has more entries than its file" + advice);
 }
 
-TEST(TrajectoryFile, SaysThatItCannotBeWritten) {
+TEST(TrajectoryFile, ReportsThatItCannotBeWritten) {
   EXPECT_THAT(test::refusalOf<OutputError>([] {
                 trajectory::writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5");
               }),
