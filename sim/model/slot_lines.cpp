@@ -10,11 +10,16 @@
 //    Image Analysis and Mathematical Morphology, 1982) fills slots and their mouths and preserves
 //    straight edges. Remaining holes are wider than slots.
 //
+// Open lines are slits without a width. Those that enclose a narrow face together with other lines,
+// such as a mouth of a slot at the outline, are slots: a cutter removes what is inside.
+//
 // At junctions of slots, centre lines end half a kerf before each other. sheetOfCuts() extends all
 // ends and finds no material in between.
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <geos_c.h>
@@ -230,12 +235,57 @@ void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
   }
 }
 
+/// Finds narrow faces that open lines enclose together with other lines, such as the mouths of
+/// slots at the outline. `slits` receives the open lines that enclose none.
+void takeEnclosedSlots(const std::vector<SlotRing>& rings,
+                       const std::vector<const DrawnPath*>& open, double reach, double tolerance,
+                       std::vector<SlotRing>& removed, std::vector<PlaneSegment>& slits) {
+  constexpr double kSlender = 0.1;  // of 4 area / perimeter^2; 0.25 for a square
+  if (open.empty()) return;
+  std::vector<PlaneSegment> segments = segmentsOf(rings);
+  std::vector<std::vector<PlaneSegment>> pieces;
+  for (const DrawnPath* path : open) {
+    std::vector<PlaneSegment>& own = pieces.emplace_back();
+    for (std::size_t k = 0; k + 1 < path->points.size(); ++k) {
+      own.emplace_back(path->points[k], path->points[k + 1]);
+    }
+    segments.insert(segments.end(), own.begin(), own.end());
+  }
+  Arrangement faces(segments, tolerance);
+  faces.dropBridges();
+  std::set<int> enclosing;  // nodes of narrow faces
+  std::vector<SlotRing> narrow;
+  for (int c = 0; c < std::ssize(faces.cycles()); ++c) {
+    const double area = faces.areaOf(c);
+    if (!(area > 0)) continue;
+    SlotRing ring;
+    double perimeter = 0;
+    for (const int half : faces.cycles()[c]) {
+      ring.push_back(faces.at(faces.from(half)));
+      perimeter += (faces.at(faces.to(half)) - ring.back()).norm();
+    }
+    if (4 * area > kSlender * perimeter * perimeter || 2 * area > reach * perimeter) continue;
+    for (const int half : faces.cycles()[c]) enclosing.insert(faces.from(half));
+    narrow.push_back(std::move(ring));
+  }
+  const auto isEnclosing = [&](const Vector2& point) {
+    const std::optional<int> node = faces.nodeAt(point);
+    return node && enclosing.contains(*node);
+  };
+  for (const std::vector<PlaneSegment>& own : pieces) {
+    const bool isOfSlot = std::ranges::any_of(own, [&](const PlaneSegment& one) {
+      return isEnclosing(one.first) && isEnclosing(one.second);
+    });
+    if (!isOfSlot) slits.insert(slits.end(), own.begin(), own.end());
+  }
+  removed.insert(removed.end(), narrow.begin(), narrow.end());
+}
+
 }  // namespace
 
 std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
-                                  bool& areAllClosed) {
+                                  std::vector<const DrawnPath*>& leftOpen) {
   std::vector<SlotRing> rings;
-  areAllClosed = true;
   std::vector<const DrawnPath*> open;
   for (const DrawnPath* path : paths) {
     path->isClosed ? rings.push_back(path->points) : open.push_back(path);
@@ -272,10 +322,12 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (isTaken[k]) continue;
     SlotRing ring;
+    std::vector<const DrawnPath*> chain;
     const int start = ends[k].first;
     int node = start;
     for (int path = static_cast<int>(k); path >= 0;) {
       isTaken[path] = true;
+      chain.push_back(open[path]);
       const bool isForward = ends[path].first == node;
       std::vector<Vector2> points = open[path]->points;
       if (!isForward) std::ranges::reverse(points);
@@ -288,13 +340,14 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
     if (closes) {
       rings.push_back(std::move(ring));
     } else {
-      areAllClosed = false;
+      leftOpen.insert(leftOpen.end(), chain.begin(), chain.end());
     }
   }
   return rings;
 }
 
-CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
+CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const DrawnPath*>& open,
+                   double tolerance) {
   CutLines cuts;
   std::vector<SlotRing> all = rings;
   std::ranges::stable_sort(all, std::greater<>(),
@@ -309,14 +362,16 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     });
     (isIn ? removed : sheets).push_back(ring);
   }
+  double area = 0;
+  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
+  // Slots are much narrower than tiles.
+  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + open.size() + 1));
+  std::vector<PlaneSegment> slits;
+  takeEnclosedSlots(rings, open, reach, tolerance, removed, slits);
   GeosPlane plane;
   const GEOSGeometry* material = plane.united(sheets);
   if (!removed.empty()) material = plane.difference(material, plane.united(removed));
   const std::vector<PlaneSegment> border = segmentsOf(plane.rings(material));
-  double area = 0;
-  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
-  // Slots are much narrower than tiles.
-  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + 1));
   std::vector<FacingEdges> pairs = facingEdges(border, reach, tolerance);
   cuts.kerf = medianWidth(pairs);
   if (!(cuts.kerf > 0)) return cuts;
@@ -366,6 +421,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     if (slots < 2) continue;
     for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
   }
+  cuts.lines.insert(cuts.lines.end(), slits.begin(), slits.end());
   cuts.border = border;
   return cuts;
 }
