@@ -988,22 +988,16 @@ class CutPatternReader {
       double& miss = misses[std::max(i, j) - lines];
       miss = std::min(miss, distanceTo(segments[std::min(i, j)], segments[std::max(i, j)].first));
     });
-    if (misses.empty()) return;
-    // The widest gap between misses by rounding, and necks.
-    const double least = 0.1 * drawing_.rounding;
-    for (double& miss : misses) miss = std::max(miss, least);
-    misses.push_back(far);
-    std::ranges::sort(misses);
-    std::size_t last = 0;
-    double widest = misses[0] / least;
-    for (std::size_t k = 0; k + 1 < misses.size() && misses[k] <= most; ++k) {
-      if (misses[k + 1] / misses[k] <= widest) continue;
-      widest = misses[k + 1] / misses[k];
-      last = k;
+    // Ends of a design on a grid miss by multiples of the last digit.
+    const bool isRounded = std::ranges::any_of(misses, [&](double miss) {
+      return miss > 0.02 * drawing_.rounding && miss < 0.8 * drawing_.rounding;
+    });
+    if (!isRounded) return;
+    double neck = far;
+    for (const double miss : misses) {
+      if (miss > most) neck = std::min(neck, miss);
     }
-    if (misses[last] > least && misses[last] <= most) {
-      tolerance_ = std::max(tolerance_, std::min(most, 0.5 * misses[last + 1]));
-    }
+    tolerance_ = std::max(tolerance_, std::min(most, 0.5 * neck));
   }
 
   /// A cut that is drawn as two parallel lines, without the ends of its slot, is their middle line.

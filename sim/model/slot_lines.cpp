@@ -18,8 +18,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
-#include <set>
 
 #include <Eigen/Geometry>
 #include <geos_c.h>
@@ -253,7 +251,6 @@ void takeEnclosedSlots(const std::vector<SlotRing>& rings,
   }
   Arrangement faces(segments, tolerance);
   faces.dropBridges();
-  std::set<int> enclosing;  // nodes of narrow faces
   std::vector<SlotRing> narrow;
   for (int c = 0; c < std::ssize(faces.cycles()); ++c) {
     const double area = faces.areaOf(c);
@@ -265,18 +262,30 @@ void takeEnclosedSlots(const std::vector<SlotRing>& rings,
       perimeter += (faces.at(faces.to(half)) - ring.back()).norm();
     }
     if (4 * area > kSlender * perimeter * perimeter || 2 * area > reach * perimeter) continue;
-    for (const int half : faces.cycles()[c]) enclosing.insert(faces.from(half));
     narrow.push_back(std::move(ring));
   }
-  const auto isEnclosing = [&](const Vector2& point) {
-    const std::optional<int> node = faces.nodeAt(point);
-    return node && enclosing.contains(*node);
-  };
-  for (const std::vector<PlaneSegment>& own : pieces) {
-    const bool isOfSlot = std::ranges::any_of(own, [&](const PlaneSegment& one) {
-      return isEnclosing(one.first) && isEnclosing(one.second);
-    });
-    if (!isOfSlot) slits.insert(slits.end(), own.begin(), own.end());
+  // Open lines along the edges of narrow faces.
+  std::vector<PlaneSegment> near;
+  std::vector<int> pathOf;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    near.insert(near.end(), pieces[k].begin(), pieces[k].end());
+    pathOf.resize(near.size(), static_cast<int>(k));
+  }
+  const int lines = static_cast<int>(near.size());
+  for (const auto& [a, b] : segmentsOf(narrow)) near.emplace_back(0.5 * (a + b), 0.5 * (a + b));
+  std::vector<bool> isOfSlot(pieces.size(), false);
+  visitNearSegments(near, 2 * tolerance, [&](int i, int j) {
+    if ((i < lines) == (j < lines)) return;
+    const auto& [from, to] = near[std::min(i, j)];
+    const Vector2 along = to - from, apart = near[std::max(i, j)].first - from;
+    const double length = along.norm();
+    const bool isBeside = apart.dot(along) >= 0 && apart.dot(along) <= length * length;
+    if (isBeside && std::abs(crossOf(along, apart)) <= tolerance * length) {
+      isOfSlot[pathOf[std::min(i, j)]] = true;
+    }
+  });
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!isOfSlot[k]) slits.insert(slits.end(), pieces[k].begin(), pieces[k].end());
   }
   removed.insert(removed.end(), narrow.begin(), narrow.end());
 }

@@ -242,7 +242,7 @@ TEST(CutPatterns, ParallelLinesAreOneCut) {
         read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
     expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
     EXPECT_THAT(reading.note,
-                HasSubstr(fmt::format("15 cuts drawn as two lines up to {:.4g} mm apart", apart)));
+                HasSubstr(fmt::format("24 cuts drawn as two lines up to {:.4g} mm apart", apart)));
   }
 }
 
@@ -362,7 +362,7 @@ TEST(CutPatterns, DashedCutsAreCutsIfTheSheetHasNoOthers) {
     return page("<g transform=\"translate(100 100)\">" + lines + "</g>");
   };
   expectPlainGrid(read("a.svg", moved(closedPath(grid.outline()) + cuts)),
-                  "15 #000000, dashed (cut)");
+                  "24 #000000, dashed (cut)");
   expectPlainGrid(read("a.svg", gridWith("<g transform=\"translate(100 100)\">" + marks)),
                   "dashed (hinge mark)");
 }

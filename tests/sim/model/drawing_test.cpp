@@ -397,9 +397,9 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
   EXPECT_EQ(size(10), 0.9144);
   EXPECT_EQ(size(12), 1e-9);
   EXPECT_EQ(size(0), 1e-3);
-  EXPECT_EQ(size(3), 1609.344);
-  EXPECT_EQ(size(11), 1e-10);
-  EXPECT_EQ(size(21), 1200.0 / 3937);
+  EXPECT_DOUBLE_EQ(size(3), 1609.344);
+  EXPECT_DOUBLE_EQ(size(11), 1e-10);
+  EXPECT_DOUBLE_EQ(size(21), 1200.0 / 3937);
   EXPECT_THAT(drawn("a.dxf", section("HEADER", "9\n$INSUNITS\n70\n19\n") +
                                  section("ENTITIES", line) + "0\nEOF\n\x1a")
                   .ignored,
