@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -262,10 +263,27 @@ class RayTracer {
   std::vector<Vector2> stops_;
 };
 
+/// Whether a point is within the border of the material: a ray along x crosses it an odd number of
+/// times.
+bool isInMaterial(const std::vector<PlaneSegment>& border, const Vector2& point) {
+  bool isInside = false;
+  for (const auto& [a, b] : border) {
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (x > point.x()) isInside = !isInside;
+  }
+  return isInside;
+}
+
 /// Finds the begin of each neck: the end of the removed material around the cut's end.
 void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance) {
   for (CutRay& ray : rays) {
     if (ray.stop == kNever || cuts.border.empty()) continue;
+    // A slit in the material between slots has no width.
+    if (cuts.kerf > 0 && isInMaterial(cuts.border, ray.from)) {
+      ray.isJoined = ray.stop < 0.5 * cuts.kerf + tolerance;
+      continue;
+    }
     double first = kNever, last = 0;
     for (const auto& [a, b] : cuts.border) {
       const Vector2 line = b - a;
@@ -369,6 +387,12 @@ class SheetMaker {
     }
     if (cuts_.kerf > 0) text += fmt::format(", slots {}", millimetres(cuts_.kerf));
     if (moved_ > tolerance_) text += fmt::format(", cuts bent by up to {}", millimetres(moved_));
+    if (moved_ > tolerance_ && drawing_.rounding > 0.25 * cuts_.kerf && cuts_.kerf > 0) {
+      text += fmt::format(
+          ", but its coordinates are rounded to {}: check the hinges, or save it "
+          "with more decimals",
+          millimetres(drawing_.rounding));
+    }
     return text;
   }
   const std::map<std::string, int>& leftOut() const { return leftOut_; }
@@ -817,7 +841,9 @@ class CutPatternReader {
         tolerance_(std::clamp(std::max(1.5 * drawing.rounding, 1.2 * drawing.flattening),
                               1e-7 * drawing.size(), 1e-4 * drawing.size())) {
     collectGroups();
+    takeRounding();
     takeDoubledLines();
+    joinParallelLines();
   }
 
   /// Lines of ignored groups, after read().
@@ -838,18 +864,22 @@ class CutPatternReader {
       findEngraving();
     }
     SheetReading reading;
-    const auto withGroups = [this](const InputError& error) {
-      return InputError(
-          fmt::format("{} (lines: {}; `cut` and `ignore` choose)", error.what(), describeGroups()));
+    const auto explained = [this](const InputError& error) {
+      std::string text = error.what();
+      if (groups_.size() > 1)
+        text += fmt::format(" (lines: {}; `cut` and `ignore` choose)", describeGroups());
+      for (const auto& [what, count] : drawing_.ignored) {
+        if (what.find(", which is not ") != what.npos)
+          text += fmt::format(" ({} x {})", count, what);
+      }
+      return InputError(text);
     };
     try {
       reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
     } catch (const DrawingFault& fault) {
-      if (groups_.size() < 2) throw;
-      throw DrawingFault(withGroups(fault), fault.lines(), fault.places());
+      throw DrawingFault(explained(fault), fault.lines(), fault.places());
     } catch (const InputError& error) {
-      if (groups_.size() < 2) throw;
-      throw withGroups(error);
+      throw explained(error);
     }
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);
@@ -930,6 +960,124 @@ class CutPatternReader {
     return segments;
   }
 
+  /// Coordinates with few digits are coarse, or exact because the design is on a grid. Ends of
+  /// lines tell: rounded ends miss the lines that they were drawn to. Then the tolerance is the
+  /// rounding, but less than necks.
+  void takeRounding() {
+    const double most = 1.5 * drawing_.rounding;
+    if (tolerance_ >= most) return;
+    const auto paths = pathsOf([](const LineGroup&) { return true; });
+    std::vector<PlaneSegment> segments = segmentsOf(paths);
+    std::vector<int> pathOf;
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      pathOf.insert(pathOf.end(), paths[k]->points.size() - (paths[k]->isClosed ? 0 : 1),
+                    static_cast<int>(k));
+    }
+    const int lines = static_cast<int>(segments.size());
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      if (paths[k]->isClosed) continue;
+      for (const Vector2& end : {paths[k]->points.front(), paths[k]->points.back()}) {
+        segments.emplace_back(end, end);
+        pathOf.push_back(static_cast<int>(k));
+      }
+    }
+    const double far = 4 * most;
+    std::vector<double> misses(segments.size() - lines, far);
+    visitNearSegments(segments, far, [&](int i, int j) {
+      if ((i < lines) == (j < lines) || pathOf[i] == pathOf[j]) return;
+      double& miss = misses[std::max(i, j) - lines];
+      miss = std::min(miss, distanceTo(segments[std::min(i, j)], segments[std::max(i, j)].first));
+    });
+    // Ends of a design on a grid miss by multiples of the last digit.
+    const bool isRounded = std::ranges::any_of(misses, [&](double miss) {
+      return miss > 0.02 * drawing_.rounding && miss < 0.8 * drawing_.rounding;
+    });
+    if (!isRounded) return;
+    double neck = far;
+    for (const double miss : misses) {
+      if (miss > most) neck = std::min(neck, miss);
+    }
+    tolerance_ = std::max(tolerance_, std::min(most, 0.5 * neck));
+  }
+
+  /// A cut that is drawn as two parallel lines, without the ends of its slot, is their middle line.
+  /// A strip of this shape between three or more lines is material.
+  void joinParallelLines() {
+    constexpr double kStrip = 0.02;  // width / length, less than of any tile
+    for (LineGroup& group : groups_) {
+      std::vector<const DrawnPath*> open;
+      std::vector<PlaneSegment> chords;
+      for (const DrawnPath* path : group.paths) {
+        if (path->isClosed) continue;
+        open.push_back(path);
+        chords.emplace_back(path->points.front(), path->points.back());
+      }
+      std::vector<std::vector<int>> partners(open.size());
+      visitNearSegments(chords, kStrip * drawing_.size(), [&](int i, int j) {
+        const double apart = apartOf(*open[i], *open[j]);
+        const double length = std::min(lengthOf(*open[i]), lengthOf(*open[j]));
+        if (apart > kStrip * length) return;
+        partners[i].push_back(j);
+        partners[j].push_back(i);
+      });
+      for (int i = 0; i < std::ssize(open); ++i) {
+        if (partners[i].size() != 1 || partners[i][0] < i) continue;
+        const int j = partners[i][0];
+        const double apart = apartOf(*open[i], *open[j]);
+        if (partners[j].size() != 1 || apart <= tolerance_) continue;
+        middles_.push_back(middleOf(*open[i], *open[j]));
+        std::erase(group.paths, open[j]);
+        std::ranges::replace(group.paths, open[i], &middles_.back());
+        joinedApart_ = std::max(joinedApart_, apart);
+      }
+    }
+  }
+
+  static Vector2 nearestOn(const DrawnPath& path, const Vector2& point) {
+    Vector2 nearest = path.points.front();
+    for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+      const Vector2 from = path.points[k], along = path.points[k + 1] - from;
+      const double share =
+          std::clamp((point - from).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+      const Vector2 place = from + share * along;
+      if ((place - point).norm() < (nearest - point).norm()) nearest = place;
+    }
+    return nearest;
+  }
+
+  /// Largest distance between two open lines, and between their ends, metres.
+  static double apartOf(const DrawnPath& a, const DrawnPath& b) {
+    const auto ends = [&](const Vector2& first, const Vector2& last) {
+      return std::max((a.points.front() - first).norm(), (a.points.back() - last).norm());
+    };
+    double apart =
+        std::min(ends(b.points.front(), b.points.back()), ends(b.points.back(), b.points.front()));
+    for (const auto& [one, other] : {std::pair(&a, &b), {&b, &a}}) {
+      for (const Vector2& point : one->points) {
+        apart = std::max(apart, (nearestOn(*other, point) - point).norm());
+      }
+    }
+    return apart;
+  }
+
+  /// The middle of two lines, up to the further end of both.
+  static DrawnPath middleOf(const DrawnPath& a, const DrawnPath& b) {
+    DrawnPath middle = a;
+    const bool isSame =
+        (a.points.front() - b.points.front()).norm() < (a.points.front() - b.points.back()).norm();
+    for (Vector2& point : middle.points) point = 0.5 * (point + nearestOn(b, point));
+    const auto furtherEnd = [](const Vector2& end, const Vector2& before, const Vector2& other) {
+      const Vector2 along = (end - before).normalized();
+      return Vector2(0.5 * (end + other) + 0.5 * std::abs((end - other).dot(along)) * along);
+    };
+    const auto& p = a.points;
+    middle.points.front() =
+        furtherEnd(p.front(), p[1], isSame ? b.points.front() : b.points.back());
+    middle.points.back() =
+        furtherEnd(p.back(), p[p.size() - 2], isSame ? b.points.back() : b.points.front());
+    return middle;
+  }
+
   /// Lines drawn twice may differ by more than the tolerance. Raises the tolerance to that. Slots
   /// are wider than kTwice of their drawing.
   void takeDoubledLines() {
@@ -951,7 +1099,17 @@ class CutPatternReader {
     tolerance_ = std::max(tolerance_, 1.5 * apart);
   }
 
-  /// Finds hinge marks: short straight continuations of open ends of other lines, and dashed lines.
+  /// The number of hinges if these lines are the cuts; 0 if they are not a sheet.
+  std::size_t hingesOf(const std::vector<const DrawnPath*>& paths) const {
+    try {
+      return sheetOf(paths).model.joints.size();
+    } catch (const InputError&) {
+      return 0;
+    }
+  }
+
+  /// Finds hinge marks: short straight continuations of open ends of other lines, and dashed lines
+  /// if they add no hinges as cuts.
   void findMarks() {
     std::vector<LineGroup*> byLength;
     for (LineGroup& group : groups_) byLength.push_back(&group);
@@ -963,7 +1121,9 @@ class CutPatternReader {
           pathsOf([&](const LineGroup& one) { return &one != group && one.role == "cut"; });
       if (others.empty()) return;
       if (group->isDashed && hasSolid) {
-        group->role = "hinge mark";
+        auto both = others;
+        both.insert(both.end(), group->paths.begin(), group->paths.end());
+        if (hingesOf(both) <= hingesOf(others)) group->role = "hinge mark";
         continue;
       }
       const Arrangement lines(segmentsOf(others), tolerance_);
@@ -999,8 +1159,22 @@ class CutPatternReader {
     }
   }
 
-  /// Finds engraving: lines that touch nothing and are not the aim of a neck. Without them the
-  /// remaining lines must still form a sheet.
+  /// Whether all lines of a group have a name for engraving.
+  static bool isNamedEngraving(const LineGroup& group) {
+    static const std::vector<std::string> kWords = {"engrav", "etch",       "score",    "scoring",
+                                                    "gravur", "annotation", "dimension"};
+    const auto isOne = [](const std::string& name) {
+      return std::ranges::any_of(
+          kWords, [&](const std::string& word) { return name.find(word) != name.npos; });
+    };
+    return std::ranges::all_of(group.paths, [&](const DrawnPath* path) {
+      return isOne(path->layer) || std::ranges::any_of(path->names, isOne);
+    });
+  }
+
+  /// Finds engraving: lines with such a name, and lines that touch nothing and are not the aim of a
+  /// neck, or closed lines that cross others and add no hinges. Without them the remaining lines
+  /// must still form a sheet.
   void findEngraving() {
     if (groups_.size() < 2 || groups_.size() > 12) return;
     std::vector<PlaneSegment> segments;
@@ -1009,19 +1183,33 @@ class CutPatternReader {
       for (const DrawnPath* path : groups_[g].paths) appendSegments(*path, segments);
       groupOf.resize(segments.size(), g);
     }
-    std::vector<bool> touches(groups_.size(), false);
+    std::vector<bool> touches(groups_.size(), false), crosses(groups_.size(), false);
     visitNearSegments(segments, 2 * tolerance_, [&](int i, int j) {
       const int one = groupOf[i], other = groupOf[j];
-      if (one == other || (touches[one] && touches[other])) return;
+      if (one == other || (crosses[one] && crosses[other])) return;
       if (groups_[one].role != "cut" || groups_[other].role != "cut") return;
       if (!meet(segments[i], segments[j])) return;
       touches[one] = touches[other] = true;
+      if (touchesEnd(segments[i], segments[j])) return;
+      crosses[one] = crosses[other] = true;
     });
     for (int g = 0; g < std::ssize(groups_); ++g) {
-      if (touches[g] || groups_[g].role != "cut") continue;
+      const bool isNamed = isNamedEngraving(groups_[g]);
+      const bool isCrossing =
+          crosses[g] && std::ranges::all_of(groups_[g].paths, &DrawnPath::isClosed);
+      if (groups_[g].role != "cut" || (touches[g] && !isCrossing && !isNamed)) continue;
       const auto rest =
           pathsOf([&](const LineGroup& one) { return &one != &groups_[g] && one.role == "cut"; });
       if (rest.empty()) continue;
+      if (isNamed || touches[g]) {
+        const std::size_t hinges = hingesOf(rest);
+        if (hinges > 0 && (isNamed || hinges >= hingesOf(pathsOf([](const LineGroup& one) {
+                                        return one.role == "cut";
+                                      })))) {
+          groups_[g].role = "engraved";
+        }
+        continue;
+      }
       try {
         const SheetReading reading = sheetOf(rest);
         if (reading.model.joints.empty() || stopsShort(groups_[g], rest, reading.model)) continue;
@@ -1039,11 +1227,16 @@ class CutPatternReader {
     return (line.first + share * along - point).norm();
   }
 
-  bool meet(const PlaneSegment& a, const PlaneSegment& b) const {
+  /// Whether an end of one line is on the other.
+  bool touchesEnd(const PlaneSegment& a, const PlaneSegment& b) const {
     const auto near = [&](const Vector2& point, const PlaneSegment& line) {
       return distanceTo(line, point) <= tolerance_;
     };
-    if (near(a.first, b) || near(a.second, b) || near(b.first, a) || near(b.second, a)) return true;
+    return near(a.first, b) || near(a.second, b) || near(b.first, a) || near(b.second, a);
+  }
+
+  bool meet(const PlaneSegment& a, const PlaneSegment& b) const {
+    if (touchesEnd(a, b)) return true;
     const auto side = [](const PlaneSegment& line, const Vector2& point) {
       return crossOf(line.second - line.first, point - line.first) > 0;
     };
@@ -1072,24 +1265,57 @@ class CutPatternReader {
   SheetReading sheetOf(std::vector<const DrawnPath*> paths) const {
     std::map<std::string, int> leftOut;
     dropMarksOutside(paths, leftOut);
-    bool areAllClosed = false;
-    const auto rings = closedRings(paths, tolerance_, areAllClosed);
-    CutLines cuts;
-    if (areAllClosed && !rings.empty()) cuts = slotLines(rings, tolerance_);
-    if (!cuts.lines.empty()) requireSimple(rings);
-    if (cuts.lines.empty()) {
-      takeReliefs(paths, rings, cuts);
-      cuts.lines = segmentsOf(paths);
+    std::vector<const DrawnPath*> open;
+    const auto rings = closedRings(paths, tolerance_, open);
+    const auto readAs = [&](CutLines cuts) {
+      for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
+      // Centre lines are accurate to a small fraction of their slots' width.
+      const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
+      SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
+      SheetReading reading;
+      reading.model = maker.make();
+      reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
+      reading.leftOut = maker.leftOut();
+      return reading;
+    };
+    const auto asSlots = [&]() -> std::optional<SheetReading> {
+      if (rings.empty()) return std::nullopt;
+      CutLines cuts = slotLines(rings, open, tolerance_);
+      if (cuts.lines.empty()) return std::nullopt;
+      requireSimple(rings);
+      return readAs(std::move(cuts));
+    };
+    if (open.empty()) {
+      if (auto reading = asSlots()) return std::move(*reading);
     }
-    for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
-    // Centre lines are accurate to a small fraction of their slots' width.
-    const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
-    SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
-    SheetReading reading;
-    reading.model = maker.make();
-    reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
-    reading.leftOut = maker.leftOut();
-    return reading;
+    CutLines slits;
+    takeReliefs(paths, rings, slits);
+    slits.lines = segmentsOf(paths);
+    if (open.empty()) return readAs(std::move(slits));
+    return readMixed([&] { return readAs(std::move(slits)); }, asSlots);
+  }
+
+  /// Closed outlines next to open lines are slots, reliefs, holes or marks. The reading with more
+  /// hinges is right: what is no slot separates no tiles.
+  template <typename ReadSlits, typename ReadSlots>
+  static SheetReading readMixed(ReadSlits readSlits, ReadSlots readSlots) {
+    const auto slots = [&]() -> std::optional<SheetReading> {
+      try {
+        return readSlots();
+      } catch (const InputError&) {
+        return std::nullopt;
+      }
+    };
+    try {
+      SheetReading reading = readSlits();
+      auto other = slots();
+      const bool isOther = other && other->model.joints.size() > reading.model.joints.size();
+      return isOther ? std::move(*other) : std::move(reading);
+    } catch (const InputError&) {
+      auto other = slots();
+      if (!other || other->model.joints.empty()) throw;
+      return std::move(*other);
+    }
   }
 
   /// Outlines of sheets and slots must not cross themselves. If more than two lines meet at a
@@ -1224,6 +1450,10 @@ class CutPatternReader {
     if (!notChosen_.empty()) {
       leftOut["line that was not chosen"] += static_cast<int>(notChosen_.size());
     }
+    if (!middles_.empty()) {
+      text += fmt::format("; {} cuts drawn as two lines up to {:.4g} mm apart", middles_.size(),
+                          joinedApart_ * 1e3);
+    }
     std::vector<std::string> texts;
     for (const auto& [what, count] : leftOut) texts.push_back(fmt::format("{} x {}", count, what));
     if (!texts.empty()) text += fmt::format("; left out: {}", fmt::join(texts, ", "));
@@ -1236,6 +1466,8 @@ class CutPatternReader {
   double tolerance_;
   std::vector<LineGroup> groups_;
   std::vector<DrawnPath> notChosen_;
+  std::deque<DrawnPath> middles_;  // of parallel lines; their addresses are in groups_
+  double joinedApart_ = 0;         // distance of parallel lines that became one, metres
 };
 
 }  // namespace

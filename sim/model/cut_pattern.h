@@ -20,14 +20,17 @@ struct CutLines {
   std::map<std::string, int> leftOut;  ///< what is no cut, and how often
 };
 
-/// Closed chains of the paths' lines, and whether all paths are in one. Lines whose ends meet, an
-/// even number at each place, make one.
+/// Closed chains of the paths' lines. Lines whose ends meet, an even number at each place, make
+/// one. `open` receives the other paths.
 std::vector<std::vector<Vector2>> closedRings(const std::vector<const DrawnPath*>& paths,
-                                              double tolerance, bool& areAllClosed);
+                                              double tolerance,
+                                              std::vector<const DrawnPath*>& open);
 
 /// Slots, closed outlines of removed material in closed outlines of a sheet, as their centre lines.
-/// Without lines where the rings have no narrow slots.
-CutLines slotLines(const std::vector<std::vector<Vector2>>& rings, double tolerance);
+/// Open lines are slits, or enclose a slot together with other lines. Without lines if the drawing
+/// has no narrow slots.
+CutLines slotLines(const std::vector<std::vector<Vector2>>& rings,
+                   const std::vector<const DrawnPath*>& open, double tolerance);
 
 /// A drawing as a sheet.
 struct DrawnSheet {

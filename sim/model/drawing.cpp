@@ -60,8 +60,7 @@ double DecimalCounts::lastPlace() const {
   return *most == 0 ? 1 : decimals < 7 ? std::pow(10.0, -static_cast<double>(decimals)) : 0;
 }
 
-double drawnNumber(std::string_view text, const std::filesystem::path& file,
-                   DecimalCounts* decimals) {
+double drawnNumber(std::string_view text, const FileLocation& place, DecimalCounts* decimals) {
   std::string typed(text);
   std::ranges::replace(typed, ',', '.');
   const char* begin = typed.data() + (typed.starts_with('+') ? 1 : 0);
@@ -69,8 +68,9 @@ double drawnNumber(std::string_view text, const std::filesystem::path& file,
   const char* const end = typed.data() + typed.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value)) {
-    throw inputErrorAt({file},
-                       fmt::format("'{}' is not a number; {}", shown(text, 24), kDrawingPurpose));
+    throw inputErrorAt(place, fmt::format("'{}' is not a number. Correct it, or save the drawing "
+                                          "again",
+                                          shown(text, 24)));
   }
   const std::size_t point = typed.find('.');
   const std::size_t exponent = std::min(typed.find_first_of("eE"), typed.size());

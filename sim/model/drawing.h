@@ -70,7 +70,7 @@ bool isDrawing(const std::filesystem::path& file);
 Drawing readDrawing(const std::filesystem::path& file);
 
 /// Reads SVG 1.1 and the line elements of SVG 2: all shapes, transforms, nested svg, use, units,
-/// viewBox, style sheets with simple selectors. Curves are flattened to a tolerance in metres.
+/// viewBox, style sheets. Curves are flattened to a tolerance in metres.
 Drawing readSvgDrawing(const std::filesystem::path& file, const std::string& text,
                        double flattening);
 
@@ -107,8 +107,8 @@ struct DecimalCounts {
 };
 
 /// A number with '.' or ',' before its decimals, possibly with a leading '+'. Throws InputError
-/// with the name of the file.
-double drawnNumber(std::string_view text, const std::filesystem::path& file,
+/// with the place.
+double drawnNumber(std::string_view text, const FileLocation& place,
                    DecimalCounts* decimals = nullptr);
 
 }  // namespace kirireel::model

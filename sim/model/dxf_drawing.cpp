@@ -113,6 +113,7 @@ class DxfReader {
       int number = -1;
       const auto [end, error] = std::from_chars(code->data(), code->data() + code->size(), number);
       if (code->empty() && !value) break;  // an empty line at the end
+      if (code->starts_with('\x1a')) break;  // the end of a file of DOS
       if (!value || error != std::errc() || end != code->data() + code->size()) {
         throw inputErrorAt({file_, line - 1},
                            "this is not a group code. Save the drawing as ASCII DXF");
@@ -149,7 +150,7 @@ class DxfReader {
 
   double number(const DxfEntity& entity, int code, std::optional<double> otherwise = {}) {
     const auto text = entity.text(code);
-    if (text) return drawnNumber(*text, file_, &decimals_);
+    if (text) return drawnNumber(*text, {file_}, &decimals_);
     if (otherwise) return *otherwise;
     const bool isEnd = entity.type == "LINE";
     throw inputErrorAt({file_},
@@ -158,7 +159,7 @@ class DxfReader {
   }
   int whole(const DxfEntity& entity, int code, int otherwise) {
     const auto text = entity.text(code);
-    return text ? static_cast<int>(std::clamp(drawnNumber(*text, file_), -1e9, 1e9)) : otherwise;
+    return text ? static_cast<int>(std::clamp(drawnNumber(*text, {file_}), -1e9, 1e9)) : otherwise;
   }
   Vector2 point(const DxfEntity& entity, int code) {
     const double x = number(entity, code);
@@ -167,11 +168,21 @@ class DxfReader {
 
   void readHeader() {
     // Units that only drawings have. The others are in lengthUnits().
-    static const std::vector<LengthUnit> kOthers = {
-        {"uin", 2.54e-8, 8}, {"mil", 2.54e-5, 9}, {"yd", 0.9144, 10}, {"dm", 0.1, 14}};
+    static const std::vector<LengthUnit> kOthers = {{"mile", 1609.344, 3},
+                                                    {"uin", 2.54e-8, 8},
+                                                    {"mil", 2.54e-5, 9},
+                                                    {"yd", 0.9144, 10},
+                                                    {"angstrom", 1e-10, 11},
+                                                    {"dm", 0.1, 14},
+                                                    {"dam", 10, 15},
+                                                    {"hm", 100, 16},
+                                                    {"US survey ft", 1200.0 / 3937, 21},
+                                                    {"US survey in", 100.0 / 3937, 22},
+                                                    {"US survey yd", 3600.0 / 3937, 23},
+                                                    {"US survey mile", 5280 * 1200.0 / 3937, 24}};
     int unit = 0;
     if (const auto given = header_.find("$INSUNITS"); given != header_.end()) {
-      unit = static_cast<int>(std::clamp(drawnNumber(given->second, file_), 0.0, 99.0));
+      unit = static_cast<int>(std::clamp(drawnNumber(given->second, {file_}), 0.0, 99.0));
     }
     drawing_.unit = 1e-3;
     drawing_.unitName = "units";
@@ -180,6 +191,10 @@ class DxfReader {
       if (unit == 0 || known == units->end()) continue;
       drawing_.unit = known->metres;
       drawing_.unitName = known->name;
+    }
+    if (unit != 0 && drawing_.unitName == "units") {
+      ++drawing_
+            .ignored[fmt::format("$INSUNITS {}, which is not supported (`unit` decides)", unit)];
     }
   }
 
@@ -320,12 +335,12 @@ class DxfReader {
     std::vector<double> bulges;
     for (const auto& [code, value] : entity.groups) {
       if (code == 10) {
-        vertices.emplace_back(drawnNumber(value, file_, &decimals_), 0);
+        vertices.emplace_back(drawnNumber(value, {file_}, &decimals_), 0);
         bulges.push_back(0);
       } else if (code == 20 && !vertices.empty()) {
-        vertices.back().y() = drawnNumber(value, file_, &decimals_);
+        vertices.back().y() = drawnNumber(value, {file_}, &decimals_);
       } else if (code == 42 && !bulges.empty()) {
-        bulges.back() = drawnNumber(value, file_);
+        bulges.back() = drawnNumber(value, {file_});
       }
     }
     path.isClosed = (whole(entity, 70, 0) & 1) != 0;
@@ -343,7 +358,7 @@ class DxfReader {
       if ((whole(all[k], 70, 0) & 16) != 0) continue;  // of a spline's frame
       vertices.push_back(point(all[k], 10));
       const auto bulge = all[k].text(42);
-      bulges.push_back(bulge ? drawnNumber(*bulge, file_) : 0);
+      bulges.push_back(bulge ? drawnNumber(*bulge, {file_}) : 0);
     }
     path.isClosed = (flags & 1) != 0;
     addVertices(vertices, bulges, path);
@@ -410,13 +425,13 @@ class DxfReader {
     std::vector<Eigen::Vector3d> control;
     std::vector<Vector2> fit;
     for (const auto& [code, value] : entity.groups) {
-      if (code == 40) knots.push_back(drawnNumber(value, file_));
-      if (code == 41) weights.push_back(drawnNumber(value, file_));
-      if (code == 10) control.emplace_back(drawnNumber(value, file_, &decimals_), 0, 1);
+      if (code == 40) knots.push_back(drawnNumber(value, {file_}));
+      if (code == 41) weights.push_back(drawnNumber(value, {file_}));
+      if (code == 10) control.emplace_back(drawnNumber(value, {file_}, &decimals_), 0, 1);
       if (code == 20 && !control.empty())
-        control.back().y() = drawnNumber(value, file_, &decimals_);
-      if (code == 11) fit.emplace_back(drawnNumber(value, file_, &decimals_), 0);
-      if (code == 21 && !fit.empty()) fit.back().y() = drawnNumber(value, file_, &decimals_);
+        control.back().y() = drawnNumber(value, {file_}, &decimals_);
+      if (code == 11) fit.emplace_back(drawnNumber(value, {file_}, &decimals_), 0);
+      if (code == 21 && !fit.empty()) fit.back().y() = drawnNumber(value, {file_}, &decimals_);
     }
     path.isClosed = (whole(entity, 70, 0) & 1) != 0;
     const int degree = whole(entity, 71, 3);

@@ -10,6 +10,9 @@
 //    Image Analysis and Mathematical Morphology, 1982) fills slots and their mouths and preserves
 //    straight edges. Remaining holes are wider than slots.
 //
+// Open lines are slits without a width. Those that enclose a narrow face together with other lines,
+// such as a mouth of a slot at the outline, are slots: a cutter removes what is inside.
+//
 // At junctions of slots, centre lines end half a kerf before each other. sheetOfCuts() extends all
 // ends and finds no material in between.
 #include <algorithm>
@@ -230,12 +233,68 @@ void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
   }
 }
 
+/// Finds narrow faces that open lines enclose together with other lines, such as the mouths of
+/// slots at the outline. `slits` receives the open lines that enclose none.
+void takeEnclosedSlots(const std::vector<SlotRing>& rings,
+                       const std::vector<const DrawnPath*>& open, double reach, double tolerance,
+                       std::vector<SlotRing>& removed, std::vector<PlaneSegment>& slits) {
+  constexpr double kSlender = 0.1;  // of 4 area / perimeter^2; 0.25 for a square
+  if (open.empty()) return;
+  std::vector<PlaneSegment> segments = segmentsOf(rings);
+  std::vector<std::vector<PlaneSegment>> pieces;
+  for (const DrawnPath* path : open) {
+    std::vector<PlaneSegment>& own = pieces.emplace_back();
+    for (std::size_t k = 0; k + 1 < path->points.size(); ++k) {
+      own.emplace_back(path->points[k], path->points[k + 1]);
+    }
+    segments.insert(segments.end(), own.begin(), own.end());
+  }
+  Arrangement faces(segments, tolerance);
+  faces.dropBridges();
+  std::vector<SlotRing> narrow;
+  for (int c = 0; c < std::ssize(faces.cycles()); ++c) {
+    const double area = faces.areaOf(c);
+    if (!(area > 0)) continue;
+    SlotRing ring;
+    double perimeter = 0;
+    for (const int half : faces.cycles()[c]) {
+      ring.push_back(faces.at(faces.from(half)));
+      perimeter += (faces.at(faces.to(half)) - ring.back()).norm();
+    }
+    if (4 * area > kSlender * perimeter * perimeter || 2 * area > reach * perimeter) continue;
+    narrow.push_back(std::move(ring));
+  }
+  // Open lines along the edges of narrow faces.
+  std::vector<PlaneSegment> near;
+  std::vector<int> pathOf;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    near.insert(near.end(), pieces[k].begin(), pieces[k].end());
+    pathOf.resize(near.size(), static_cast<int>(k));
+  }
+  const int lines = static_cast<int>(near.size());
+  for (const auto& [a, b] : segmentsOf(narrow)) near.emplace_back(0.5 * (a + b), 0.5 * (a + b));
+  std::vector<bool> isOfSlot(pieces.size(), false);
+  visitNearSegments(near, 2 * tolerance, [&](int i, int j) {
+    if ((i < lines) == (j < lines)) return;
+    const auto& [from, to] = near[std::min(i, j)];
+    const Vector2 along = to - from, apart = near[std::max(i, j)].first - from;
+    const double length = along.norm();
+    const bool isBeside = apart.dot(along) >= 0 && apart.dot(along) <= length * length;
+    if (isBeside && std::abs(crossOf(along, apart)) <= tolerance * length) {
+      isOfSlot[pathOf[std::min(i, j)]] = true;
+    }
+  });
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!isOfSlot[k]) slits.insert(slits.end(), pieces[k].begin(), pieces[k].end());
+  }
+  removed.insert(removed.end(), narrow.begin(), narrow.end());
+}
+
 }  // namespace
 
 std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
-                                  bool& areAllClosed) {
+                                  std::vector<const DrawnPath*>& leftOpen) {
   std::vector<SlotRing> rings;
-  areAllClosed = true;
   std::vector<const DrawnPath*> open;
   for (const DrawnPath* path : paths) {
     path->isClosed ? rings.push_back(path->points) : open.push_back(path);
@@ -272,10 +331,12 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (isTaken[k]) continue;
     SlotRing ring;
+    std::vector<const DrawnPath*> chain;
     const int start = ends[k].first;
     int node = start;
     for (int path = static_cast<int>(k); path >= 0;) {
       isTaken[path] = true;
+      chain.push_back(open[path]);
       const bool isForward = ends[path].first == node;
       std::vector<Vector2> points = open[path]->points;
       if (!isForward) std::ranges::reverse(points);
@@ -288,13 +349,14 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
     if (closes) {
       rings.push_back(std::move(ring));
     } else {
-      areAllClosed = false;
+      leftOpen.insert(leftOpen.end(), chain.begin(), chain.end());
     }
   }
   return rings;
 }
 
-CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
+CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const DrawnPath*>& open,
+                   double tolerance) {
   CutLines cuts;
   std::vector<SlotRing> all = rings;
   std::ranges::stable_sort(all, std::greater<>(),
@@ -309,14 +371,16 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     });
     (isIn ? removed : sheets).push_back(ring);
   }
+  double area = 0;
+  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
+  // Slots are much narrower than tiles.
+  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + open.size() + 1));
+  std::vector<PlaneSegment> slits;
+  takeEnclosedSlots(rings, open, reach, tolerance, removed, slits);
   GeosPlane plane;
   const GEOSGeometry* material = plane.united(sheets);
   if (!removed.empty()) material = plane.difference(material, plane.united(removed));
   const std::vector<PlaneSegment> border = segmentsOf(plane.rings(material));
-  double area = 0;
-  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
-  // Slots are much narrower than tiles.
-  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + 1));
   std::vector<FacingEdges> pairs = facingEdges(border, reach, tolerance);
   cuts.kerf = medianWidth(pairs);
   if (!(cuts.kerf > 0)) return cuts;
@@ -366,6 +430,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     if (slots < 2) continue;
     for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
   }
+  cuts.lines.insert(cuts.lines.end(), slits.begin(), slits.end());
   cuts.border = border;
   return cuts;
 }

@@ -3,8 +3,8 @@
 // The tree is traversed once with a transform and a style that children inherit. Lengths: the
 // root's width and height with units relative to its viewBox give metres per user unit. Without
 // them a user unit is a pixel of 1/96 inch. Style: presentation attributes, then style sheet rules
-// (selectors of one tag, class or id), then the style attribute. Elliptical arcs are converted to
-// their centre form (appendix F.6.5).
+// (style_sheet.cpp), then the style attribute. Elliptical arcs are converted to their centre form
+// (appendix F.6.5). Entities of the document type are replaced first, which pugixml does not.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +20,7 @@
 
 #include "sim/base/error.h"
 #include "sim/model/drawing.h"
+#include "sim/model/style_sheet.h"
 
 namespace kirireel::model {
 namespace {
@@ -36,42 +37,48 @@ const std::map<std::string_view, double> kSvgUnits = {
     {"mm", 1e-3},   {"cm", 1e-2}, {"in", kInch},  {"pt", kInch / 72},  {"pc", kInch / 6},
     {"px", kPixel}, {"m", 1},     {"q", 0.25e-3}, {"em", 16 * kPixel}, {"ex", 8 * kPixel}};
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kSvgBlank);
-  if (begin == text.npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSvgBlank) - begin + 1);
-}
-
-/// The name of a tag or attribute without its namespace.
-std::string localName(const char* name) {
-  const std::string whole(name);
-  const std::size_t colon = whole.rfind(':');
-  return lowerCase(colon == whole.npos ? whole : whole.substr(colon + 1));
-}
-
-/// Declarations "name: value; ..." by name.
-std::map<std::string, std::string> declarations(std::string_view text) {
-  std::map<std::string, std::string> found;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(';', at), text.size());
-    const std::string_view one = text.substr(at, end - at);
-    if (const std::size_t colon = one.find(':'); colon != one.npos) {
-      std::string_view value = trimmed(one.substr(colon + 1));
-      if (const std::size_t mark = value.find('!'); mark != value.npos) {
-        value = trimmed(value.substr(0, mark));
-      }
-      found[lowerCase(trimmed(one.substr(0, colon)))] = std::string(value);
-    }
-    at = end + 1;
+/// Replaces entities that the document type declares, such as the styles of Illustrator: &st0;.
+std::string withoutEntities(const std::string& text, const fs::path& file) {
+  constexpr std::size_t kMostText = 64'000'000;  // a limit for repeated entities
+  const std::size_t type = text.find("<!DOCTYPE");
+  const std::size_t open = std::min(text.find('[', type), text.find('>', type));
+  if (type == text.npos || open == text.npos || text[open] != '[') return text;
+  const std::size_t end = text.find("]", open);
+  std::map<std::string, std::string, std::less<>> values;
+  for (std::size_t at = text.find("<!ENTITY", open); at < end; at = text.find("<!ENTITY", at + 1)) {
+    const std::size_t quote = text.find_first_of("\"'", at);
+    const std::size_t last = quote == text.npos ? quote : text.find(text[quote], quote + 1);
+    if (last == text.npos) break;
+    std::string value = text.substr(quote + 1, last - quote - 1);
+    std::ranges::replace(value, '\n', ' ');  // keeps the numbers of lines
+    std::ranges::replace(value, '"', '\'');
+    values[std::string(trimmed(std::string_view(text).substr(at + 8, quote - at - 8)))] = value;
   }
-  return found;
+  if (values.empty()) return text;
+  std::string whole;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t mark = std::min(text.find('&', at), text.size());
+    whole.append(text, at, mark - at);
+    if (mark == text.size()) break;
+    const std::size_t semicolon = text.find(';', mark);
+    const auto value = values.find(std::string_view(text).substr(mark + 1, semicolon - mark - 1));
+    const bool isKnown = semicolon != text.npos && value != values.end();
+    whole += isKnown ? value->second : "&";
+    if (whole.size() > kMostText) {
+      throw inputErrorAt({file},
+                         "the entities of the document type are too long. Save the drawing "
+                         "as SVG without them");
+    }
+    at = isKnown ? semicolon + 1 : mark + 1;
+  }
+  return whole;
 }
 
 /// Scanner for path data and lists of numbers.
 class NumberScanner {
  public:
-  NumberScanner(std::string_view text, const fs::path& file, DecimalCounts* decimals = nullptr)
-      : text_(text), file_(file), decimals_(decimals) {}
+  NumberScanner(std::string_view text, const FileLocation& place, DecimalCounts* decimals = nullptr)
+      : text_(text), place_(place), decimals_(decimals) {}
 
   bool isAtEnd() {
     skip();
@@ -87,6 +94,12 @@ class NumberScanner {
   }
   double number() {
     skip();
+    if (at_ >= text_.size()) {
+      const std::string_view last =
+          text_.substr(text_.size() - std::min<std::size_t>(text_.size(), 24));
+      throw inputErrorAt(place_, fmt::format("a number is missing after '{}'. Complete the numbers",
+                                             shown(last, 24)));
+    }
     const std::size_t begin = at_;
     const auto digits = [&] {
       while (at_ < text_.size() && text_[at_] >= '0' && text_[at_] <= '9') ++at_;
@@ -103,7 +116,16 @@ class NumberScanner {
       digits();
     }
     if (at_ == begin) at_ = std::min(at_ + 12, text_.size());  // shown in the message
-    return drawnNumber(text_.substr(begin, at_ - begin), file_, decimals_);
+    return drawnNumber(text_.substr(begin, at_ - begin), place_, decimals_);
+  }
+  /// Consumes and returns the letters or '%' that directly follow a number.
+  std::string_view unit() {
+    const std::size_t begin = at_;
+    while (at_ < text_.size() &&
+           (std::isalpha(static_cast<unsigned char>(text_[at_])) || text_[at_] == '%')) {
+      ++at_;
+    }
+    return text_.substr(begin, at_ - begin);
   }
   /// A flag of an arc is one digit. A number may follow it without a blank.
   bool flag() {
@@ -121,7 +143,7 @@ class NumberScanner {
   }
 
   std::string_view text_;
-  const fs::path& file_;
+  FileLocation place_;
   DecimalCounts* decimals_;
   std::size_t at_ = 0;
 };
@@ -132,22 +154,26 @@ struct SvgStyle {
   std::string fill = "#000000";
   bool isVisible = true;
   bool isDashed = false;
+  bool isWide = true;    // the stroke's width is not 0
+  bool isOpaque = true;  // the stroke's opacity is not 0
   std::string layer;
   std::vector<std::string> names;
 };
 
 class SvgReader {
  public:
-  SvgReader(const fs::path& file, double flattening) : file_(file), flattening_(flattening) {}
+  SvgReader(const fs::path& file, double flattening)
+      : file_(file), place_{file, 0, 0}, flattening_(flattening) {}
 
-  Drawing read(const std::string& text) {
+  Drawing read(const std::string& written) {
     pugi::xml_document document;
+    const std::string text = withoutEntities(written, file_);
+    for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) {
+      lineEnds_.push_back(static_cast<std::ptrdiff_t>(at));
+    }
     const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
     if (!parsed) {
-      const auto lines = std::count(
-          text.begin(), text.begin() + std::min<std::ptrdiff_t>(parsed.offset, std::ssize(text)),
-          '\n');
-      throw inputErrorAt({file_, static_cast<int>(lines) + 1},
+      throw inputErrorAt({file_, lineOf(parsed.offset)},
                          fmt::format("this is not XML: {}. Save the drawing as SVG again",
                                      lowerCase(parsed.description())));
     }
@@ -160,6 +186,7 @@ class SvgReader {
     style.names.clear();
     walkChildren(hasRoot ? root : document, transform, style, 0);
     keepStrokes();
+    for (const auto& [what, count] : sheet_.ignored()) drawing_.ignored[what] += count;
     drawing_.rounding = decimals_.lastPlace() * largestScale_;
     return std::move(drawing_);
   }
@@ -171,70 +198,42 @@ class SvgReader {
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element) continue;
       if (const char* id = child.attribute("id").value(); *id) elements_.try_emplace(id, child);
-      if (localName(child.name()) == "style") addRules(child);
+      if (localName(child.name()) == "style") {
+        std::string sheet;
+        for (const pugi::xml_node& part : child.children()) sheet += part.value();
+        sheet_.add(std::move(sheet));
+      }
       collect(child, depth + 1);
     }
   }
 
-  void addRules(const pugi::xml_node& style) {
-    std::string sheet;
-    for (const pugi::xml_node& part : style.children()) sheet += part.value();
-    for (std::size_t at = sheet.find("/*"); at != sheet.npos; at = sheet.find("/*", at)) {
-      const std::size_t end = sheet.find("*/", at);
-      sheet.erase(at, end == sheet.npos ? sheet.npos : end + 2 - at);
-    }
-    for (std::size_t at = 0; at < sheet.size();) {
-      const std::size_t open = sheet.find('{', at);
-      const std::size_t close = sheet.find('}', open == sheet.npos ? at : open);
-      if (open == sheet.npos || close == sheet.npos) return;
-      const auto values = declarations(std::string_view(sheet).substr(open + 1, close - open - 1));
-      const std::string_view selectors = std::string_view(sheet).substr(at, open - at);
-      for (std::size_t begin = 0; begin <= selectors.size();) {
-        const std::size_t end = std::min(selectors.find(',', begin), selectors.size());
-        const std::string selector(trimmed(selectors.substr(begin, end - begin)));
-        for (const auto& [name, value] : values) rules_[selector][name] = value;
-        begin = end + 1;
-      }
-      at = close + 1;
-    }
+  /// The line of the file, from an offset of the parser.
+  int lineOf(std::ptrdiff_t offset) const {
+    return static_cast<int>(std::ranges::lower_bound(lineEnds_, offset) - lineEnds_.begin()) + 1;
   }
 
   /// A property of an element; absent if the element does not set it.
-  std::optional<std::string> property(const pugi::xml_node& node, const std::string& name) const {
-    const auto inlined = declarations(node.attribute("style").value());
-    if (const auto found = inlined.find(name); found != inlined.end()) return found->second;
-    const auto ruled = [&](const std::string& selector) -> std::optional<std::string> {
-      const auto rule = rules_.find(selector);
-      if (rule == rules_.end()) return std::nullopt;
-      const auto value = rule->second.find(name);
-      return value == rule->second.end() ? std::nullopt : std::optional(value->second);
-    };
-    const std::string tag = localName(node.name());
-    if (!rules_.empty()) {
-      if (auto value = ruled(fmt::format("#{}", node.attribute("id").value()))) return value;
-      for (const std::string& one : classesOf(node)) {
-        if (auto value = ruled(fmt::format("{}.{}", tag, one))) return value;
-        if (auto value = ruled("." + one)) return value;
-      }
-      if (auto value = ruled(tag)) return value;
-      if (auto value = ruled("*")) return value;
+  std::optional<std::string> property(const pugi::xml_node& node, const std::string& name) {
+    if (node != styled_) {
+      values_ = sheet_.valuesOf(node);
+      overrideWith(values_, declarations(node.attribute("style").value()));
+      styled_ = node;
     }
+    if (const auto found = values_.find(name); found != values_.end()) return found->second.text;
     const pugi::xml_attribute own = node.attribute(name.c_str());
     return own ? std::optional<std::string>(own.value()) : std::nullopt;
   }
 
-  static std::vector<std::string> classesOf(const pugi::xml_node& node) {
-    std::vector<std::string> classes;
-    const std::string_view all = node.attribute("class").value();
-    for (std::size_t at = all.find_first_not_of(kSvgBlank); at != all.npos;) {
-      const std::size_t end = std::min(all.find_first_of(kSvgBlank, at), all.size());
-      classes.emplace_back(all.substr(at, end - at));
-      at = all.find_first_not_of(kSvgBlank, end);
-    }
-    return classes;
+  /// Whether a property is a number and 0, with any unit. Absent if the element does not set it.
+  std::optional<bool> isZero(const pugi::xml_node& node, const std::string& name) {
+    const std::optional<std::string> text = property(node, name);
+    if (!text || *text == "inherit") return std::nullopt;
+    char* end = nullptr;
+    const double value = std::strtod(text->c_str(), &end);
+    return end != text->c_str() && value == 0;
   }
 
-  SvgStyle styleOf(const pugi::xml_node& node, const SvgStyle& parent) const {
+  SvgStyle styleOf(const pugi::xml_node& node, const SvgStyle& parent) {
     SvgStyle style = parent;
     const auto take = [&](const char* name, std::string& value) {
       const std::optional<std::string> own = property(node, name);
@@ -245,6 +244,8 @@ class SvgReader {
     if (const auto dashes = property(node, "stroke-dasharray")) {
       style.isDashed = *dashes != "none" && *dashes != "inherit" && *dashes != "0";
     }
+    if (const auto isThin = isZero(node, "stroke-width")) style.isWide = !*isThin;
+    if (const auto isClear = isZero(node, "stroke-opacity")) style.isOpaque = !*isClear;
     if (const auto seen = property(node, "visibility")) {
       style.isVisible = *seen != "hidden" && *seen != "collapse";
     }
@@ -272,27 +273,38 @@ class SvgReader {
   double length(const pugi::xml_node& node, const char* name, double whole, double otherwise = 0) {
     const std::string_view text = trimmed(node.attribute(name).value());
     if (text.empty() || text == "auto") return otherwise;
+    return lengthOf(text, whole);
+  }
+
+  double lengthOf(std::string_view text, double whole) {
     std::size_t end = text.size();
     while (end > 0 &&
            (std::isalpha(static_cast<unsigned char>(text[end - 1])) || text[end - 1] == '%')) {
       --end;
     }
-    const std::string unit = lowerCase(text.substr(end));
-    const double value = drawnNumber(trimmed(text.substr(0, end)), file_, counts_);
+    if (end == 0) {
+      throw inputErrorAt(place_, fmt::format("the length '{}' is not a number. Give a number, with "
+                                             "a unit if needed",
+                                             shown(text, 24)));
+    }
+    return inUserUnits(drawnNumber(trimmed(text.substr(0, end)), place_, counts_), text.substr(end),
+                       whole);
+  }
+
+  /// A number with its unit in user units; percentages refer to `whole`.
+  double inUserUnits(double value, std::string_view unit, double whole) const {
     if (unit.empty()) return value;
     if (unit == "%") return value / 100 * whole;
-    const auto known = kSvgUnits.find(unit);
-    if (known == kSvgUnits.end()) {
-      throw inputErrorAt(
-          {file_},
-          fmt::format("the length '{}' has an unknown unit. Use one of mm, cm, in, pt, pc, px",
-                      shown(text, 24)));
-    }
-    return value * known->second / kPixel;
+    const auto known = kSvgUnits.find(lowerCase(unit));
+    if (known != kSvgUnits.end()) return value * known->second / kPixel;
+    throw inputErrorAt(
+        place_,
+        fmt::format("the length '{}{}' has an unknown unit. Use one of mm, cm, in, pt, pc, px",
+                    value, shown(unit, 24)));
   }
 
   std::vector<double> numbers(std::string_view text) {
-    NumberScanner scanner(text, file_);
+    NumberScanner scanner(text, place_);
     std::vector<double> found;
     while (!scanner.isAtEnd()) found.push_back(scanner.number());
     return found;
@@ -352,45 +364,131 @@ class SvgReader {
     return transform;
   }
 
-  SvgTransform parsedTransform(std::string_view text) {
+  /// A number of a transform. Style sheets have units: "10px", "45deg".
+  struct Argument {
+    double value = 0;
+    std::string_view unit;
+  };
+
+  double degreesOf(const Argument& angle) const {
+    static const std::map<std::string_view, double> kDegrees = {
+        {"", 1}, {"deg", 1}, {"grad", 0.9}, {"rad", 180 / std::numbers::pi}, {"turn", 360}};
+    const auto known = kDegrees.find(angle.unit);
+    if (known != kDegrees.end()) return angle.value * known->second;
+    throw inputErrorAt(place_,
+                       fmt::format("the angle '{}{}' has an unknown unit. Use deg, grad, rad or "
+                                   "turn",
+                                   angle.value, shown(angle.unit, 24)));
+  }
+
+  /// One function of a transform; absent for another name or number of arguments.
+  std::optional<SvgTransform> transformOf(std::string_view name, std::vector<Argument> n) const {
+    const std::size_t given = n.size();
+    n.resize(6);
+    SvgTransform one = SvgTransform::Identity();
+    const auto along = [&](int k, int axis) {
+      return inUserUnits(n[k].value, n[k].unit, view_[axis]);
+    };
+    const auto factor = [&](int k) { return n[k].value / (n[k].unit == "%" ? 100 : 1); };
+    const auto isOf = [&](std::string_view what, std::size_t least, std::size_t most) {
+      return name == what && given >= least && given <= most;
+    };
+    const auto tangent = [&](int k) { return std::tan(degreesOf(n[k]) * std::numbers::pi / 180); };
+    if (isOf("matrix", 6, 6)) {
+      one.matrix() << n[0].value, n[2].value, along(4, 0), n[1].value, n[3].value, along(5, 1), 0,
+          0, 1;
+    } else if (isOf("translate", 1, 2)) {
+      one.translate(Vector2(along(0, 0), along(1, 1)));
+    } else if (isOf("translateX", 1, 1)) {
+      one.translate(Vector2(along(0, 0), 0));
+    } else if (isOf("translateY", 1, 1)) {
+      one.translate(Vector2(0, along(0, 1)));
+    } else if (isOf("scale", 1, 2)) {
+      one.scale(Vector2(factor(0), factor(given > 1 ? 1 : 0)));
+    } else if (isOf("scaleX", 1, 1)) {
+      one.scale(Vector2(factor(0), 1));
+    } else if (isOf("scaleY", 1, 1)) {
+      one.scale(Vector2(1, factor(0)));
+    } else if (isOf("rotate", 1, 3)) {
+      const Vector2 centre(along(1, 0), along(2, 1));
+      one.translate(centre)
+          .rotate(Eigen::Rotation2Dd(degreesOf(n[0]) * std::numbers::pi / 180))
+          .translate(-centre);
+    } else if (isOf("skewX", 1, 1)) {
+      one.matrix()(0, 1) = tangent(0);
+    } else if (isOf("skewY", 1, 1)) {
+      one.matrix()(1, 0) = tangent(0);
+    } else {
+      return std::nullopt;
+    }
+    return one;
+  }
+
+  SvgTransform parsedTransform(std::string_view text) const {
     SvgTransform whole = SvgTransform::Identity();
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t open = text.find('(', at);
-      const std::size_t close = text.find(')', at);
-      if (open == text.npos || close == text.npos || close < open) break;
-      std::string_view name = trimmed(text.substr(at, open - at));
-      while (name.starts_with(',')) name = trimmed(name.substr(1));
-      std::vector<double> n = numbers(text.substr(open + 1, close - open - 1));
-      const std::size_t given = n.size();
-      n.resize(6, 0);
-      SvgTransform one = SvgTransform::Identity();
-      const auto turn = [](double degrees) {
-        return Eigen::Rotation2Dd(degrees * std::numbers::pi / 180);
-      };
-      if (name == "matrix" && given == 6)
-        one.matrix() << n[0], n[2], n[4], n[1], n[3], n[5], 0, 0, 1;
-      else if (name == "translate")
-        one.translate(Vector2(n[0], n[1]));
-      else if (name == "scale")
-        one.scale(Vector2(n[0], given > 1 ? n[1] : n[0]));
-      else if (name == "rotate")
-        one.translate(Vector2(n[1], n[2])).rotate(turn(n[0])).translate(Vector2(-n[1], -n[2]));
-      else if (name == "skewX")
-        one.matrix()(0, 1) = std::tan(n[0] * std::numbers::pi / 180);
-      else if (name == "skewY")
-        one.matrix()(1, 0) = std::tan(n[0] * std::numbers::pi / 180);
-      else
-        throw inputErrorAt({file_}, fmt::format("'{}' is not a transform of SVG", shown(name, 24)));
-      whole = whole * one;
-      at = close + 1;
+    for (text = trimmed(text); !text.empty() && text != "none";) {
+      const std::size_t open = text.find('(');
+      const std::size_t close = std::min(text.find(')'), text.size());
+      std::optional<SvgTransform> one;
+      if (open < close && close < text.size()) {
+        std::vector<Argument> n;
+        NumberScanner scanner(text.substr(open + 1, close - open - 1), place_);
+        while (!scanner.isAtEnd()) {
+          const double value = scanner.number();
+          n.push_back({value, scanner.unit()});
+        }
+        one = transformOf(trimmed(text.substr(0, open)), std::move(n));
+      }
+      if (!one) {
+        throw inputErrorAt(
+            place_, fmt::format("'{}' is not a transform of SVG. Allowed: matrix of 6 numbers, "
+                                "translate and scale of 1 or 2, rotate of 1 or 3, skewX, skewY",
+                                shown(text.substr(0, close + 1))));
+      }
+      whole = whole * *one;
+      text = trimmed(text.substr(close + 1));
+      while (text.starts_with(',')) text = trimmed(text.substr(1));
     }
     return whole;
+  }
+
+  /// A transform about its origin, which is the zero of the coordinates by default.
+  SvgTransform transformOf(const pugi::xml_node& node) {
+    const SvgTransform transform = parsedTransform(property(node, "transform").value_or(""));
+    const std::optional<std::string> given = property(node, "transform-origin");
+    if (!given || transform.isApprox(SvgTransform::Identity(), 0)) return transform;
+    const std::string box = property(node, "transform-box").value_or("view-box");
+    if (box != "view-box") {
+      throw inputErrorAt(place_, fmt::format("the transform-box '{}' is not supported. Apply the "
+                                             "transforms in the editor",
+                                             shown(box, 24)));
+    }
+    std::array<std::string_view, 2> words = {"50%", "50%"};
+    std::string_view rest = trimmed(*given);
+    for (std::string_view& word : words) {
+      if (rest.empty()) break;
+      word = rest.substr(0, rest.find_first_of(" \t\r\n\f,"));
+      rest = trimmed(rest.substr(word.size()));
+      while (rest.starts_with(',')) rest = trimmed(rest.substr(1));
+    }
+    const auto isVertical = [](std::string_view word) { return word == "top" || word == "bottom"; };
+    if (isVertical(words[0]) || words[1] == "left" || words[1] == "right") {
+      std::swap(words[0], words[1]);
+    }
+    static const std::map<std::string_view, std::string_view> kSides = {
+        {"left", "0"}, {"top", "0"}, {"center", "50%"}, {"right", "100%"}, {"bottom", "100%"}};
+    Vector2 origin;
+    for (int axis = 0; axis < 2; ++axis) {
+      const auto side = kSides.find(words[axis]);
+      origin[axis] = lengthOf(side == kSides.end() ? words[axis] : side->second, view_[axis]);
+    }
+    return Eigen::Translation2d(origin) * transform * Eigen::Translation2d(-origin);
   }
 
   void walkChildren(const pugi::xml_node& node, const SvgTransform& transform,
                     const SvgStyle& style, int depth) {
     if (depth > kDeepestElement) {
-      throw inputErrorAt({file_},
+      throw inputErrorAt(place_,
                          fmt::format("groups or uses are nested more than {} deep; ungroup them",
                                      kDeepestElement));
     }
@@ -407,13 +505,21 @@ class SvgReader {
         "marker",  "script", "lineargradient", "radialgradient", "filter",
         "animate", "pgf",    "i:pgf",          "aipgfref",       "perspective"};
     if (std::ranges::find(kSilent, tag) != kSilent.end()) return;
-    if (const auto display = property(node, "display"); display && *display == "none") {
+    place_.line = lineOf(node.offset_debug());
+    const auto isSet = [&](const char* name) {
+      const auto value = property(node, name);
+      return value && *value != "none" && *value != "inherit";
+    };
+    const auto display = property(node, "display");
+    if ((display && *display == "none") || isZero(node, "opacity").value_or(false)) {
       ++drawing_.ignored["hidden element"];
       return;
     }
+    for (const char* name : {"clip-path", "mask"}) {
+      if (isSet(name)) ++drawing_.ignored[fmt::format("{}, which is not applied", name)];
+    }
     const SvgStyle style = styleOf(node, parent);
-    const SvgTransform transform =
-        outer * parsedTransform(property(node, "transform").value_or(""));
+    const SvgTransform transform = outer * transformOf(node);
     if (tag == "g" || tag == "a" || tag == "switch") {
       walkChildren(node, transform, style, depth + 1);
     } else if (tag == "svg") {
@@ -425,20 +531,27 @@ class SvgReader {
     }
   }
 
+  /// A nested svg, or a symbol, whose size its use may give.
   void walkViewport(const pugi::xml_node& node, const SvgTransform& outer, const SvgStyle& style,
-                    int depth) {
+                    int depth, const pugi::xml_node& use = {}) {
     const Vector2 view = view_;
     SvgTransform transform = outer;
     transform.translate(Vector2(length(node, "x", view.x()), length(node, "y", view.y())));
-    const double width = length(node, "width", view.x(), view.x());
-    const double height = length(node, "height", view.y(), view.y());
+    const auto sizeOf = [&](const char* name, double whole) {
+      return length(use.attribute(name) ? use : node, name, whole, whole);
+    };
+    const double width = sizeOf("width", view.x()), height = sizeOf("height", view.y());
     const SvgTransform inner = viewTransform(node, width, height);
     const std::vector<double> box = numbers(node.attribute("viewBox").value());
-    if (box.size() == 4 &&
-        !std::string_view(node.attribute("preserveAspectRatio").value()).starts_with("none")) {
-      // Excess length in one direction is split equally, as in xMidYMid.
+    const std::string_view ratio = node.attribute("preserveAspectRatio").value();
+    if (box.size() == 4 && ratio.find("none") == ratio.npos) {
+      // Shares of the excess length before the drawing; half of it by default.
+      const auto shareOf = [&](std::string_view least, std::string_view most) {
+        return ratio.find(least) != ratio.npos ? 0.0 : ratio.find(most) != ratio.npos ? 1.0 : 0.5;
+      };
       const Vector2 used(inner.linear()(0, 0) * box[2], inner.linear()(1, 1) * box[3]);
-      transform.translate(0.5 * (Vector2(width, height) - used));
+      transform.translate(Vector2(shareOf("xMin", "xMax") * (width - used.x()),
+                                  shareOf("YMin", "YMax") * (height - used.y())));
     }
     transform = transform * inner;
     if (box.size() == 4) transform.translate(Vector2(-box[0], -box[1]));
@@ -452,16 +565,27 @@ class SvgReader {
     for (const pugi::xml_attribute& one : node.attributes()) {
       if (localName(one.name()) == "href") reference = one.value();
     }
+    if (!reference.empty() && reference[0] != '#') {
+      throw inputErrorAt(place_, fmt::format("a 'use' names '{}' in another file. Insert that "
+                                             "drawing into this one",
+                                             shown(reference, 24)));
+    }
     const auto found = elements_.find(reference.empty() ? "" : reference.substr(1));
-    if (found == elements_.end() || depth >= kDeepestElement || ++uses_ > 200'000) {
-      throw inputErrorAt({file_},
-                         fmt::format("a 'use' names '{}', which does not exist or contains itself",
-                                     shown(reference, 24)));
+    if (found == elements_.end()) {
+      throw inputErrorAt(place_, fmt::format("a 'use' names '{}', which does not exist. Remove it, "
+                                             "or give an element this id",
+                                             shown(reference, 24)));
+    }
+    if (depth >= kDeepestElement || ++uses_ > 200'000) {
+      throw inputErrorAt(place_, fmt::format("the element '{}' uses itself, or there are more than "
+                                             "200000 uses. Replace them by copies",
+                                             shown(reference, 24)));
     }
     transform.translate(Vector2(length(node, "x", view_.x()), length(node, "y", view_.y())));
     const std::string tag = localName(found->second.name());
-    if (tag == "symbol") {
-      walkViewport(found->second, transform, styleOf(found->second, style), depth + 1);
+    if (tag == "symbol" || tag == "svg") {
+      transform = transform * transformOf(found->second);
+      walkViewport(found->second, transform, styleOf(found->second, style), depth + 1, node);
     } else {
       walk(found->second, transform, style, depth + 1);
     }
@@ -488,7 +612,7 @@ class SvgReader {
     } else if (tag == "line") {
       add({{x("x1"), y("y1")}, {x("x2"), y("y2")}}, false);
     } else if (tag == "polyline" || tag == "polygon") {
-      NumberScanner scanner(node.attribute("points").value(), file_, counts_);
+      NumberScanner scanner(node.attribute("points").value(), place_, counts_);
       std::vector<Vector2> points;
       while (!scanner.isAtEnd()) {
         const double first = scanner.number();
@@ -541,7 +665,8 @@ class SvgReader {
   void add(std::vector<Vector2> points, bool isClosed) {
     if (!style_->isVisible || points.empty()) return;
     DrawnPath path;
-    const bool isFilled = style_->stroke == "none" || style_->stroke == "transparent";
+    const bool isFilled = style_->stroke == "none" || style_->stroke == "transparent" ||
+                          !style_->isWide || !style_->isOpaque;
     path.colour = isFilled ? "fill " + style_->fill : style_->stroke;
     path.layer = style_->layer;
     path.names = style_->names;
@@ -594,7 +719,7 @@ class SvgReader {
 
   /// Handles all commands of path data (chapter 8.3).
   void addPathData(std::string_view data) {
-    NumberScanner scanner(data, file_, counts_);
+    NumberScanner scanner(data, place_, counts_);
     std::vector<Vector2> points;
     Vector2 at(0, 0), first(0, 0), control(0, 0);
     char command = '\0', before = '\0';
@@ -606,7 +731,7 @@ class SvgReader {
       if (const char letter = scanner.letter()) {
         command = letter;
       } else if (command == '\0' || command == 'z' || command == 'Z') {
-        throw inputErrorAt({file_}, "path data begin without a command; begin it with M");
+        throw inputErrorAt(place_, "path data begin without a command; begin it with M");
       }
       const bool isRelative = command >= 'a';
       const Vector2 base = isRelative ? at : Vector2(0, 0);
@@ -646,7 +771,9 @@ class SvgReader {
           at = first;
           break;
         default:
-          throw inputErrorAt({file_}, fmt::format("'{}' is not a command of path data", command));
+          throw inputErrorAt(place_, fmt::format("'{}' is not a command of path data. Allowed: M L "
+                                                 "H V C S Q T A Z",
+                                                 command));
       }
       before = kind;
     }
@@ -711,12 +838,16 @@ class SvgReader {
   }
 
   const fs::path& file_;
+  FileLocation place_;  // of the current element
+  std::vector<std::ptrdiff_t> lineEnds_;
   double flattening_;  // metres
   double localFlattening_ = 1;
   Drawing drawing_;
   Vector2 view_ = Vector2::Zero();  // reference of percentages, user units
   std::unordered_map<std::string, pugi::xml_node> elements_;
-  std::map<std::string, std::map<std::string, std::string>> rules_;
+  StyleSheet sheet_;
+  pugi::xml_node styled_;  // the element of values_
+  StyleValues values_;
   const SvgTransform* transform_ = nullptr;
   const SvgStyle* style_ = nullptr;
   DecimalCounts decimals_;
@@ -752,6 +883,11 @@ std::string normalColour(std::string_view text) {
 }
 
 Drawing readSvgDrawing(const fs::path& file, const std::string& text, double flattening) {
+  if (text.starts_with("\x1f\x8b")) {
+    throw inputErrorAt({file},
+                       "this drawing is compressed. Unpack it with gunzip, or save it as "
+                       "plain SVG");
+  }
   return SvgReader(file, flattening).read(text);
 }
 

@@ -150,9 +150,8 @@ TEST(Patterns, ThatAreBrokenAreRefused) {
   EXPECT_EQ(refusalOf("a.svg", "<svg><path d=\"M 0 0 L 1 1\"/></svg>"),
             "/a.svg: error: the outline is open: the line that ends at (0, 0) px leaves the sheet. "
             "Close the outline, or end the line at it");
-  EXPECT_EQ(
-      refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
-      "/a.svg: error: '' is not a number; give an SVG or an ASCII DXF file with lines to cut");
+  EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
+            "/a.svg:1: error: a number is missing after 'M 0 0 C 1 1 2 2'. Complete the numbers");
   EXPECT_EQ(refusalOf("a.svg",
                       "<g id=\"cuts\"><path d=\"M 0 0 L 1000 0\"/><path d=\"M 1000 0 L 0 "
                       "1000\"/></g><g id=\"hinges\"><path d=\"M 500 100 L 500 200\"/></g>"),

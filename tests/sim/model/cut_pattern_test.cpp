@@ -192,6 +192,90 @@ TEST(CutPatterns, SlotsComeBackWithinTheirWidth) {
   }
 }
 
+/// The same grid with slots of 0.3 mm, of which those at the border are drawn in another way.
+TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
+  const SlitGrid grid(4, [] { return 1.15; });
+  const Eigen::Affine2d move(Eigen::Translation2d(100, 100));
+  std::vector<Point> outline = grid.outline();
+  for (Point& p : outline) p = move * p;
+  for (const std::string style : {"slits", "three sides", "all but one closed"}) {
+    SCOPED_TRACE(style);
+    std::string text = closedPath(outline) + "<path d=\"M107 107v4h3\"/>";
+    bool isFirst = true;
+    for (const auto& [from, to] : grid.slits) {
+      Point a = move * from, b = move * to;
+      const auto isAtBorder = [&](const Point& p) {
+        return (p.array() == 100).any() || (p.array() == 180).any();
+      };
+      if (isAtBorder(b)) std::swap(a, b);
+      const std::vector<Point> slot = stadium({a, b}, 0.3, 8);
+      const bool isOpen = isAtBorder(a) && (isFirst || style != "all but one closed");
+      if (!isOpen) {
+        text += closedPath(slot);
+      } else if (style == "three sides") {
+        const Point left = 0.15 * Point(a.y() - b.y(), b.x() - a.x()).normalized();
+        text += fmt::format("<path d=\"M{} {}L{} {} {} {} {} {}\"/>", (a + left).x(),
+                            (a + left).y(), (b + left).x(), (b + left).y(), (b - left).x(),
+                            (b - left).y(), (a - left).x(), (a - left).y());
+      } else {
+        text += path(a, b);
+      }
+      isFirst &= !isOpen;
+    }
+    const Reading reading = read("a.svg", page(text));
+    expectGrid(reading, grid, move, 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("slots 0.3 mm"));
+    EXPECT_THAT(reading.note, HasSubstr("2 x cut that ends within a tile"));
+  }
+}
+
+TEST(CutPatterns, ParallelLinesAreOneCut) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  for (const double apart : {0.004, 0.1, 0.3}) {
+    std::string text = closedPath(grid.outline());
+    for (const auto& [a, b] : grid.slits) {
+      const Point side = 0.5 * apart * Point(a.y() - b.y(), b.x() - a.x()).normalized();
+      text += path(a + side, b + side) + path(b - side, a - side);
+    }
+    SCOPED_TRACE(apart);
+    const Reading reading =
+        read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note,
+                HasSubstr(fmt::format("24 cuts drawn as two lines up to {:.4g} mm apart", apart)));
+  }
+}
+
+// Rounding to 0.1 of a point (0.035 mm) moves ends off their lines by more than 1e-4 of the sheet.
+TEST(CutPatterns, CoordinatesMayHaveOneDecimal) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> neck(1, 2), angle(0, 6);
+  for (int trial = 0; trial < 12; ++trial) {
+    const double width = neck(random);
+    const SlitGrid grid(4, [&] { return width; });
+    const Eigen::Affine2d move(Eigen::Translation2d(700, 700) * Eigen::Rotation2Dd(angle(random)) *
+                               Eigen::Scaling(72 / 25.4));
+    std::string d;
+    const auto add = [&](char letter, const Point& p) {
+      const Point q = move * p;
+      d += fmt::format("{}{:.1f} {:.1f}", letter, q.x(), q.y());
+    };
+    for (const auto& [a, b] : grid.slits) {
+      add('M', a);
+      add('L', b);
+    }
+    for (int k = 0; k < 4; ++k) add(k ? 'L' : 'M', grid.outline()[k]);
+    const Reading reading =
+        read("a.svg",
+             "<svg width=\"1400pt\" height=\"1400pt\" viewBox=\"0 0 1400 1400\" "
+             "fill=\"none\" stroke=\"black\"><path d=\"" +
+                 d + "Z\"/></svg>");
+    SCOPED_TRACE(trial);
+    // Two roundings of 0.025 mm.
+    expectGrid(reading, grid, Eigen::Scaling(25.4 / 72) * move, 0.1);
+  }
+}
+
 /// A hexagon of six triangles, joined at its corners or at its middle.
 TEST(CutPatterns, CutsThatAimAtOnePointMeetThere) {
   const auto corner = [](int k) {
@@ -263,6 +347,38 @@ TEST(CutPatterns, OtherLinesAreToldApart) {
   // The same cut twice.
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V61\"/><path d=\"M20 59V45\"/>")),
                   "16 tiles and 24 hinges");
+}
+
+TEST(CutPatterns, DashedCutsAreCutsIfTheSheetHasNoOthers) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string cuts, marks;
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    cuts += path(a, b, 9, "stroke-dasharray=\"1,0.2\" ");
+    const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
+    marks += path(end, grid.joints[k], 9, "stroke-dasharray=\"0.1\" ");
+  }
+  const auto moved = [](const std::string& lines) {
+    return page("<g transform=\"translate(100 100)\">" + lines + "</g>");
+  };
+  expectPlainGrid(read("a.svg", moved(closedPath(grid.outline()) + cuts)),
+                  "24 #000000, dashed (cut)");
+  expectPlainGrid(read("a.svg", gridWith("<g transform=\"translate(100 100)\">" + marks)),
+                  "dashed (hinge mark)");
+}
+
+TEST(CutPatterns, EngravingMayCrossCuts) {
+  const std::string circle = "<circle cx=\"140\" cy=\"140\" r=\"15\"/>";
+  const std::string line = "<path d=\"M95 103L185 111\"/>";
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engrave\">" + circle)), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engraving\">" + line)), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g stroke=\"blue\">" + circle)), "#0000ff (engraved)");
+}
+
+TEST(CutPatterns, FaultsNameWhatIsNotApplied) {
+  EXPECT_THAT(
+      read("a.svg", gridWith("<g clip-path=\"url(#c)\"><path d=\"M170 120H200\"/>")).refusal,
+      HasSubstr("(1 x clip-path, which is not applied)"));
 }
 
 TEST(CutPatterns, OptionsChooseLines) {

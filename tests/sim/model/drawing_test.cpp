@@ -72,7 +72,16 @@ TEST(SvgDrawing, AllSpellingsOfLinesAreOne) {
         "5h40v60\"/></svg>",
         "<defs><path id=\"a\" d=\"M0 0H20V30\"/></defs><use href=\"#a\" x=\"10\" y=\"20\"/>",
         "<symbol id=\"a\"><path d=\"M0 0H20V30\"/></symbol><use xlink:href=\"#a\" x=\"10\" "
-        "y=\"20\"/>"}) {
+        "y=\"20\"/>",
+        "<symbol id=\"a\" viewBox=\"0 0 80 80\"><path d=\"M0 0H40V60\"/></symbol><use "
+        "href=\"#a\" x=\"10\" y=\"20\" width=\"40\" height=\"40\"/>",
+        "<defs><svg id=\"a\" width=\"7\" viewBox=\"5 5 80 80\"><path d=\"M5 "
+        "5h40v60\"/></svg></defs>"
+        "<use href=\"#a\" x=\"10\" y=\"20\" width=\"40\" height=\"40\"/>",
+        "<svg x=\"10\" y=\"20\" width=\"40\" height=\"90\" viewBox=\"0 0 80 80\" "
+        "preserveAspectRatio=\"xMinYMin meet\"><path d=\"M0 0H40V60\"/></svg>",
+        "<svg x=\"10\" y=\"0\" width=\"40\" height=\"60\" viewBox=\"0 0 80 80\" "
+        "preserveAspectRatio=\"xMidYMax\"><path d=\"M0 0H40V60\"/></svg>"}) {
     SCOPED_TRACE(text);
     expectPoints(shapes(text), kCorner);
   }
@@ -86,7 +95,16 @@ TEST(SvgDrawing, TransformsApplyFromTheInside) {
         "<path transform=\"matrix(2 0 0 3 10 20)\" d=\"M0 0H10V10\"/>",
         "<path transform=\"rotate(90 10 20)\" d=\"M10 20V0H40\"/>",
         "<path transform=\"translate(10 20)skewX(45)\" d=\"M0 0H20L-10 30\"/>",
-        "<g style=\"transform:translate(10,20)\"><path d=\"M0 0H20V30\"/></g>"}) {
+        "<g style=\"transform:translate(10,20)\"><path d=\"M0 0H20V30\"/></g>",
+        "<g style=\"transform:translate(10px,20px) rotate(0.25turn)\"><path d=\"M0 "
+        "0V-20H30\"/></g>",
+        "<g style=\"transform:translateX(10%) translateY(20px) rotate(90deg)\"><path d=\"M0 "
+        "0V-20H30\"/></g>",
+        "<path transform=\"rotate(90)\" transform-origin=\"10 20\" d=\"M10 20V0H40\"/>",
+        "<path style=\"transform:rotate(90deg);transform-origin:10% 20px\" d=\"M10 20V0H40\"/>",
+        "<path transform=\"scale(-1)\" transform-origin=\"center\" d=\"M90 80H70V50\"/>",
+        "<path transform=\"scale(-1 1)\" transform-origin=\"bottom right\" d=\"M190 "
+        "20H170V50\"/>"}) {
     SCOPED_TRACE(text);
     expectPoints(shapes(text), kCorner);
   }
@@ -184,6 +202,68 @@ TEST(SvgDrawing, StylesGiveColoursAndHide) {
                                            Pair("shape without a stroke", 1), Pair("text", 1)));
 }
 
+/// The colours of a drawing's lines.
+std::vector<std::string> colours(const std::string& sheet, const std::string& content) {
+  std::vector<std::string> found;
+  const Drawing drawing =
+      drawn("a.svg", "<svg stroke=\"red\"><style>" + sheet + "</style>" + content + "</svg>");
+  for (const DrawnPath& path : drawing.paths) found.push_back(path.colour);
+  return found;
+}
+
+TEST(SvgDrawing, StyleSheetsCascade) {
+  const std::string line = "d=\"M0 0H1\"/>";
+  const std::string green = "#008000", red = "#ff0000";
+  for (const std::string sheet :
+       {".cut path{stroke:green}", "g.cut > path.b{stroke:green}", "#Cut *{stroke:green}",
+        "@import url(\"x;y.css\"); .b{stroke:green}", "@charset 'utf-8'; .b{stroke:green}",
+        "@media print{.b{stroke:blue}} .b{stroke:green}", ".b{stroke:blue} .a{stroke:green}",
+        "path.a{stroke:green} .b{stroke:blue}", ".a.b{stroke:green} path{stroke:blue}",
+        ".a{stroke:green!important} #p{stroke:blue}",
+        "path:hover,.b[x]{stroke:blue} .b{stroke:green}", "svg g path{stroke:green}"}) {
+    SCOPED_TRACE(sheet);
+    EXPECT_THAT(colours(sheet, "<g id=\"Cut\" class=\"cut\"><path id=\"p\" class=\"b a\" " + line +
+                                   "</g><path " + line),
+                ElementsAre(green, red));
+  }
+  EXPECT_THAT(colours("svg > path{stroke:green} .cut > path{stroke:blue}",
+                      "<g class=\"cut\"><g><path " + line + "</g></g><path " + line),
+              ElementsAre(red, green));
+  EXPECT_THAT(drawn("a.svg",
+                    "<svg stroke=\"red\"><style>@import 'a.css'; path:hover{x:y} g + "
+                    "path{x:y}</style><path " +
+                        line + "</svg>")
+                  .ignored,
+              ElementsAre(Pair("style rule @import, which is not applied", 1),
+                          Pair("style rule for 'g + path', which is not applied", 1),
+                          Pair("style rule for 'path:hover', which is not applied", 1)));
+}
+
+TEST(SvgDrawing, EntitiesOfTheDocumentTypeAreReplaced) {
+  const Drawing drawing =
+      drawn("a.svg",
+            "<!DOCTYPE svg PUBLIC \"-//W3C//DTD SVG 1.1//EN\" \"svg11.dtd\" [\n<!ENTITY st0 "
+            "\"stroke:#00FF00;\">\n<!ENTITY st1 'stroke:#0000FF'>\n]>\n<svg><path style=\"&st0;\" "
+            "d=\"M0 0H1\"/><path style=\"fill:none;&st1;\" d=\"M0 0H1\"/></svg>");
+  ASSERT_EQ(drawing.paths.size(), 2U);
+  EXPECT_EQ(drawing.paths[0].colour, "#00ff00");
+  EXPECT_EQ(drawing.paths[1].colour, "#0000ff");
+}
+
+TEST(SvgDrawing, InvisibleLinesAreNotCut) {
+  for (const std::string style : {"opacity=\"0\"", "style=\"opacity:0%\"", "stroke-width=\"0\"",
+                                  "style=\"stroke-width:0px\"", "stroke-opacity=\"0.0\""}) {
+    SCOPED_TRACE(style);
+    const Drawing drawing = shapes("<path d=\"M10 20H30V50\"/><path " + style + " d=\"M0 0H1\"/>");
+    expectPoints(drawing, kCorner);
+    EXPECT_EQ(drawing.ignored.size(), 1U);
+  }
+  // A drawing of hairlines only.
+  expectPoints(shapes("<path stroke-width=\"0\" d=\"M10 20H30V50\"/>"), kCorner);
+  EXPECT_THAT(shapes("<g clip-path=\"url(#c)\"><path d=\"M0 0H1\"/></g>").ignored,
+              ElementsAre(Pair("clip-path, which is not applied", 1)));
+}
+
 TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
   const std::string text =
       "<svg width=\"100mm\" viewBox=\"0 0 100 100\">\r\n<path stroke=\"red\" "
@@ -205,7 +285,25 @@ TEST(SvgDrawing, ReportsWhatIsWrong) {
   EXPECT_THAT(refusal("a.svg", "<svg><g id=\"a\"><use href=\"#a\"/></g></svg>"),
               HasSubstr("groups or uses are nested more than 200 deep"));
   EXPECT_THAT(refusal("a.svg", "<svg><use href=\"#b\"/></svg>"),
-              HasSubstr("does not exist or contains itself"));
+              HasSubstr("does not exist. Remove it"));
+  EXPECT_THAT(refusal("a.svg", "<svg>\n\n<use href=\"b.svg#b\"/></svg>"),
+              HasSubstr("a.svg:3: error: a 'use' names 'b.svg#b' in another file"));
+  EXPECT_THAT(refusal("a.svg", "<svg>\n<path d=\"M0 0L1\"/></svg>"),
+              HasSubstr("a.svg:2: error: a number is missing after 'M0 0L1'"));
+  EXPECT_THAT(refusal("a.svg", "<svg>\n<line x1=\"NaN\"/></svg>"),
+              HasSubstr("a.svg:2: error: the length 'NaN' is not a number"));
+  EXPECT_THAT(
+      refusal("a.svg", "<svg><g transform=\"scale(2) matrix(1 0 0 1)\"/></svg>"),
+      HasSubstr("'matrix(1 0 0 1)' is not a transform of SVG. Allowed: matrix of 6 numbers"));
+  EXPECT_THAT(refusal("a.svg", "<svg><g transform=\"rotate(30\"/></svg>"),
+              HasSubstr("'rotate(30' is not a transform of SVG"));
+  EXPECT_THAT(refusal("a.svg", "<svg><g style=\"transform:rotate(3em)\"/></svg>"),
+              HasSubstr("the angle '3em' has an unknown unit. Use deg"));
+  EXPECT_THAT(refusal("a.svg",
+                      "<svg><g style=\"transform:rotate(3deg);transform-origin:1px;"
+                      "transform-box:fill-box\"/></svg>"),
+              HasSubstr("the transform-box 'fill-box' is not supported"));
+  EXPECT_THAT(refusal("a.svg", "\x1f\x8b\x08"), HasSubstr("this drawing is compressed"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"3 parsec\"/></svg>"),
               HasSubstr("has an unknown unit"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"1e30\" stroke=\"red\"/></svg>"),
@@ -299,6 +397,13 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
   EXPECT_EQ(size(10), 0.9144);
   EXPECT_EQ(size(12), 1e-9);
   EXPECT_EQ(size(0), 1e-3);
+  EXPECT_DOUBLE_EQ(size(3), 1609.344);
+  EXPECT_DOUBLE_EQ(size(11), 1e-10);
+  EXPECT_DOUBLE_EQ(size(21), 1200.0 / 3937);
+  EXPECT_THAT(drawn("a.dxf", section("HEADER", "9\n$INSUNITS\n70\n19\n") +
+                                 section("ENTITIES", line) + "0\nEOF\n\x1a")
+                  .ignored,
+              ElementsAre(Pair("$INSUNITS 19, which is not supported (`unit` decides)", 1)));
   const std::string tables =
       section("TABLES",
               "0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nA\n70\n0\n62\n3\n6\nDASHED\n"
