@@ -278,7 +278,7 @@ def difference(sheet, free, text, ending, place, kerf, digits, folder):
     if ended.returncode != 0:
         return ended.stderr.strip(), 0
     tiles = [np.array(line.split(), float).reshape(-1, 3)[:, :2]
-             for line in open(os.path.join(out, "vertices.txt"))]
+             for line in open(os.path.join(out, "vertices.txt")) if not line.startswith("#")]
     rows = [[int(word) for word in line.split()] for line in open(os.path.join(out, "constraints.txt"))
             if not line.startswith("#")]
     if (len(tiles), len(rows)) != (len(sheet.tiles), len(sheet.joints)):

@@ -395,7 +395,8 @@ def planar(place, t, out):
     os.makedirs(out)
     run("convert", place, *t.options, os.path.join(out, "p_vertices.txt"))
     report = json.loads(run("inspect", os.path.join(out, "p_vertices.txt"), *t.options, "--json"))
-    tiles = [np.array(line.split(), float).reshape(-1, 2) for line in open(os.path.join(out, "p_vertices.txt"))]
+    tiles = [np.array(line.split(), float).reshape(-1, 2) for line in open(os.path.join(out, "p_vertices.txt"))
+             if not line.startswith("#")]
     sides = [np.linalg.norm(tile - np.roll(tile, -1, axis=0), axis=1).sum() for tile in t.restore(tiles)]
     return {"lengths": sides, "numbers": [report["start"]["mobility"]["plane"]["degrees_of_freedom"]]}
 
