@@ -990,7 +990,7 @@ class CutPatternReader {
     });
     // Ends of a design on a grid miss by multiples of the last digit.
     const bool isRounded = std::ranges::any_of(misses, [&](double miss) {
-      return miss > 0.02 * drawing_.rounding && miss < 0.8 * drawing_.rounding;
+      return miss > 0.02 * drawing_.rounding && miss < 0.5 * drawing_.rounding;
     });
     if (!isRounded) return;
     double neck = far;
@@ -1164,8 +1164,9 @@ class CutPatternReader {
     static const std::vector<std::string> kWords = {"engrav", "etch",       "score",    "scoring",
                                                     "gravur", "annotation", "dimension"};
     const auto isOne = [](const std::string& name) {
-      return std::ranges::any_of(
-          kWords, [&](const std::string& word) { return name.find(word) != name.npos; });
+      return name == "eng" || std::ranges::any_of(kWords, [&](const std::string& word) {
+               return name.find(word) != name.npos;
+             });
     };
     return std::ranges::all_of(group.paths, [&](const DrawnPath* path) {
       return isOne(path->layer) || std::ranges::any_of(path->names, isOne);

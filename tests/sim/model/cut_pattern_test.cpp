@@ -363,21 +363,21 @@ TEST(CutPatterns, DashedCutsAreCutsIfTheSheetHasNoOthers) {
   };
   expectPlainGrid(read("a.svg", moved(closedPath(grid.outline()) + cuts)),
                   "24 #000000, dashed (cut)");
-  expectPlainGrid(read("a.svg", gridWith("<g transform=\"translate(100 100)\">" + marks)),
-                  "dashed (hinge mark)");
+  expectPlainGrid(read("a.svg", gridWith(marks)), "dashed (hinge mark)");
 }
 
 TEST(CutPatterns, EngravingMayCrossCuts) {
-  const std::string circle = "<circle cx=\"140\" cy=\"140\" r=\"15\"/>";
-  const std::string line = "<path d=\"M95 103L185 111\"/>";
-  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engrave\">" + circle)), "(engraved)");
-  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engraving\">" + line)), "(engraved)");
-  expectPlainGrid(read("a.svg", gridWith("<g stroke=\"blue\">" + circle)), "#0000ff (engraved)");
+  const std::string circle = "<circle cx=\"40\" cy=\"40\" r=\"15\"/>";
+  const std::string line = "<path d=\"M-5 3L85 11\"/>";
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engrave\">" + circle + "</g>")), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engraving\">" + line + "</g>")), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g stroke=\"blue\">" + circle + "</g>")),
+                  "#0000ff (engraved)");
 }
 
 TEST(CutPatterns, FaultsNameWhatIsNotApplied) {
   EXPECT_THAT(
-      read("a.svg", gridWith("<g clip-path=\"url(#c)\"><path d=\"M170 120H200\"/>")).refusal,
+      read("a.svg", gridWith("<g clip-path=\"url(#c)\"><path d=\"M70 20H100\"/></g>")).refusal,
       HasSubstr("(1 x clip-path, which is not applied)"));
 }
 

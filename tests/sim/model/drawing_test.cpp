@@ -218,7 +218,7 @@ TEST(SvgDrawing, StyleSheetsCascade) {
        {".cut path{stroke:green}", "g.cut > path.b{stroke:green}", "#Cut *{stroke:green}",
         "@import url(\"x;y.css\"); .b{stroke:green}", "@charset 'utf-8'; .b{stroke:green}",
         "@media print{.b{stroke:blue}} .b{stroke:green}", ".b{stroke:blue} .a{stroke:green}",
-        "path.a{stroke:green} .b{stroke:blue}", ".a.b{stroke:green} path{stroke:blue}",
+        "path.a{stroke:green} .b{stroke:blue}", ".a.b{stroke:green} g path{stroke:blue}",
         ".a{stroke:green!important} #p{stroke:blue}",
         "path:hover,.b[x]{stroke:blue} .b{stroke:green}", "svg g path{stroke:green}"}) {
     SCOPED_TRACE(sheet);
