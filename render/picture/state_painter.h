@@ -21,10 +21,7 @@
 #include "sim/model/hinge.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
-
-namespace kirireel::trajectory {
-struct PanelSheet;
-}
+#include "sim/trajectory/panels.h"
 
 namespace kirireel::picture {
 
@@ -220,7 +217,7 @@ struct PictureContent {
   std::vector<model::Pivot> pivots;                ///< of all joints
   model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
   /// Tiles that stretch and bend, with their states; null without them and before the run.
-  std::shared_ptr<const trajectory::PanelSheet> panels;
+  std::shared_ptr<const trajectory::LoadedPanels> panels;
   std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
   std::optional<double> groundHeight;  ///< z of the scene's ground, if it has one, metres
   std::vector<model::Tile> obstacles;  ///< faces of fixed obstacles, world axes

@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include <fmt/format.h>
-#include <pugixml.hpp>
 
 #include "sim/base/error.h"
 #include "sim/model/drawing.h"
@@ -82,9 +81,8 @@ void overrideWith(StyleValues& values, const StyleValues& with) {
   }
 }
 
-std::vector<std::string> classesOf(const pugi::xml_node& node) {
+std::vector<std::string> classesOf(std::string_view all) {
   std::vector<std::string> classes;
-  const std::string_view all = node.attribute("class").value();
   for (std::size_t at = all.find_first_not_of(kStyleBlank); at != all.npos;) {
     const std::size_t end = std::min(all.find_first_of(kStyleBlank, at), all.size());
     classes.emplace_back(all.substr(at, end - at));
@@ -178,25 +176,20 @@ bool StyleSheet::parse(std::string_view selector, StyleRule& rule) {
   return !rule.path.empty() && !isNew;
 }
 
-bool StyleSheet::StyleCompound::fits(const pugi::xml_node& node) const {
-  if (!id.empty() && id != node.attribute("id").value()) return false;
-  if (!tag.empty() && tag != localName(node.name())) return false;
-  if (classes.empty()) return true;
-  const std::vector<std::string> own = classesOf(node);
+bool StyleSheet::StyleCompound::fits(const StyledElement& element) const {
+  if (!id.empty() && id != element.id) return false;
+  if (!tag.empty() && tag != element.tag) return false;
+  const std::vector<std::string>& own = element.classes;
   return std::ranges::all_of(
       classes, [&](const std::string& one) { return std::ranges::find(own, one) != own.end(); });
 }
 
-bool StyleSheet::StyleRule::fits(const pugi::xml_node& node) const {
-  if (!path.back().fits(node)) return false;
+bool StyleSheet::StyleRule::fits(const std::vector<StyledElement>& elements) const {
+  if (!path.back().fits(elements.front())) return false;
   if (path.size() == 1) return true;
-  std::vector<pugi::xml_node> nodes;
-  for (pugi::xml_node one = node; one.type() == pugi::node_element; one = one.parent()) {
-    nodes.push_back(one);
-  }
   // Which beginnings of the path fit at the parent, and at any ancestor.
   std::vector<bool> atParent(path.size()), above(path.size());
-  for (auto one = nodes.rbegin(); one != nodes.rend(); ++one) {
+  for (auto one = elements.rbegin(); one != elements.rend(); ++one) {
     std::vector<bool> here(path.size());
     for (std::size_t k = 0; k < path.size(); ++k) {
       here[k] =
@@ -208,17 +201,17 @@ bool StyleSheet::StyleRule::fits(const pugi::xml_node& node) const {
   return atParent.back();
 }
 
-StyleValues StyleSheet::valuesOf(const pugi::xml_node& node) const {
+StyleValues StyleSheet::valuesOf(const std::vector<StyledElement>& path) const {
   if (rules_.empty()) return {};
-  std::vector<std::string> keys = {"", localName(node.name()),
-                                   fmt::format("#{}", node.attribute("id").value())};
-  for (const std::string& one : classesOf(node)) keys.push_back("." + one);
+  const StyledElement& own = path.front();
+  std::vector<std::string> keys = {"", own.tag, "#" + own.id};
+  for (const std::string& one : own.classes) keys.push_back("." + one);
   std::vector<std::pair<int, std::size_t>> fitting;
   for (const std::string& key : keys) {
     const auto found = rulesOf_.find(key);
     if (found == rulesOf_.end()) continue;
     for (const std::size_t k : found->second) {
-      if (rules_[k].fits(node)) fitting.emplace_back(rules_[k].specificity, k);
+      if (rules_[k].fits(path)) fitting.emplace_back(rules_[k].specificity, k);
     }
   }
   std::ranges::sort(fitting);

@@ -8,10 +8,6 @@
 #include <utility>
 #include <vector>
 
-namespace pugi {
-class xml_node;
-}
-
 namespace kirireel::model {
 
 /// Value of a property.
@@ -29,8 +25,15 @@ StyleValues declarations(std::string_view text);
 /// Assigns values with precedence over those in `values`, except over important ones.
 void overrideWith(StyleValues& values, const StyleValues& with);
 
-/// The classes of an element.
-std::vector<std::string> classesOf(const pugi::xml_node& node);
+/// What selectors refer to.
+struct StyledElement {
+  std::string tag;                   ///< local name, lower case
+  std::string id;                    ///< empty: none
+  std::vector<std::string> classes;  ///< in the file's order
+};
+
+/// The classes in a class attribute.
+std::vector<std::string> classesOf(std::string_view attribute);
 
 /// The name of an element or attribute without its namespace, in lower case.
 std::string localName(const char* name);
@@ -43,8 +46,8 @@ class StyleSheet {
  public:
   /// Adds the text of a style element.
   void add(std::string text);
-  /// The values for an element.
-  StyleValues valuesOf(const pugi::xml_node& node) const;
+  /// The values for an element: the first of `path`, followed by its ancestors.
+  StyleValues valuesOf(const std::vector<StyledElement>& path) const;
   /// Rules that are not applied, with counts.
   const std::map<std::string, int>& ignored() const { return ignored_; }
 
@@ -55,14 +58,14 @@ class StyleSheet {
     std::vector<std::string> classes;
     bool isChild = false;  // of the element before, otherwise a descendant
 
-    bool fits(const pugi::xml_node& node) const;
+    bool fits(const StyledElement& element) const;
   };
   struct StyleRule {
     std::vector<StyleCompound> path;  // the last is the element itself
     int specificity = 0;
     std::size_t block = 0;  // index into blocks_
 
-    bool fits(const pugi::xml_node& node) const;
+    bool fits(const std::vector<StyledElement>& elements) const;
   };
 
   /// False for a selector of another kind.

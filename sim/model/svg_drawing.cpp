@@ -212,10 +212,20 @@ class SvgReader {
     return static_cast<int>(std::ranges::lower_bound(lineEnds_, offset) - lineEnds_.begin()) + 1;
   }
 
+  /// An element and its ancestors, for selectors.
+  static std::vector<StyledElement> withAncestors(const pugi::xml_node& node) {
+    std::vector<StyledElement> path;
+    for (pugi::xml_node one = node; one.type() == pugi::node_element; one = one.parent()) {
+      path.push_back({localName(one.name()), one.attribute("id").value(),
+                      classesOf(one.attribute("class").value())});
+    }
+    return path;
+  }
+
   /// A property of an element; absent if the element does not set it.
   std::optional<std::string> property(const pugi::xml_node& node, const std::string& name) {
     if (node != styled_) {
-      values_ = sheet_.valuesOf(node);
+      values_ = sheet_.valuesOf(withAncestors(node));
       overrideWith(values_, declarations(node.attribute("style").value()));
       styled_ = node;
     }
@@ -260,7 +270,8 @@ class SvgReader {
     for (const std::string& name : {label, id}) {
       if (!name.empty()) style.names.push_back(lowerCase(name));
     }
-    for (const std::string& name : classesOf(node)) style.names.push_back(lowerCase(name));
+    for (const std::string& name : classesOf(node.attribute("class").value()))
+      style.names.push_back(lowerCase(name));
     const bool isGroup = localName(node.name()) == "g";
     if (isGroup && (isLayer || style.layer.empty())) {
       const std::string name = label.empty() ? id : label;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <sstream>
 #include <system_error>
@@ -180,7 +179,7 @@ std::string unitLine(const LengthUnit& unit) {
 
 std::optional<LengthUnit> unitInComments(const std::filesystem::path& file) {
   constexpr int kFirstLines = 20;
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream = openInputFile(file);
   std::string line;
   for (int k = 0; k < kFirstLines && std::getline(stream, line); ++k) {
     std::istringstream words(line);

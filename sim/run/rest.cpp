@@ -18,9 +18,9 @@ namespace {
 
 // Failed steps that move no brick farther than this fraction of a tile count as no motion.
 constexpr double kStuckShare = 1e-3;
-// Bricks that stay within this fraction of a tile do not move. In a singular state, joints allow
-// speeds that do not lead anywhere.
-constexpr double kStillShare = 1e-5;
+// In a singular state, joints allow speeds that do not lead anywhere: a step moves the bricks by
+// less than this fraction of what their speed gives.
+constexpr double kStillShare = 0.01;
 // Number of parts of a step that are tested for the start of rest, and number of bisections.
 constexpr int kRestChecks = 16;
 constexpr int kRestHalvings = 30;
@@ -58,11 +58,11 @@ void RestWatch::observe(const RunMotion& motion, double length, const StepReport
     jamStart_ = motion.poses();
   }
   const double tile = bricks_.tileSize;
+  const double speed = fastestSpeed(motion.now().velocities, tile);
   const bool isStill =
-      !stillStart_.empty() && farthestMove(stillStart_, motion.poses(), tile) < kStillShare * tile;
-  if (!isStill) stillStart_ = motion.poses();
+      farthestMove(motion.before().poses, motion.poses(), tile) < kStillShare * speed * length;
   const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
-  const bool isSlow = fastestSpeed(motion.now().velocities, tile) < limit;
+  const bool isSlow = speed < limit;
   if (isOnPath || !(isSlow || isStill || isStuck(motion.poses()))) {
     rested_ = 0;
     return;

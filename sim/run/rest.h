@@ -22,7 +22,7 @@ double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& moti
 /// A measure of the fastest brick's speed, m/s. Rotations count at the radius `tileSize` (metres).
 double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
 
-/// Detects rest: no brick is faster than the scene's settle speed, or none leaves its place. A run
+/// Detects rest: no brick is faster than the scene's settle speed, or speeds lead nowhere. A run
 /// also rests if its steps keep failing and no brick moves.
 class RestWatch {
  public:
@@ -45,7 +45,7 @@ class RestWatch {
   bool isStuck(const Poses& poses) const;
 
   /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_, stillStart_); }
+  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
 
  private:
   double restWithinStep(const RunMotion& motion, double length, double limit) const;
@@ -54,7 +54,6 @@ class RestWatch {
   double rested_ = 0;  // rest time at the end of the last step, seconds
   double needed_;      // required rest time, seconds
   Poses jamStart_;     // poses when steps began to fail; empty if they do not fail
-  Poses stillStart_;   // poses that the bricks have not left since
 };
 
 // ------------------------------------------------------------------------------------------------

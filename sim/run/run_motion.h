@@ -139,6 +139,8 @@ class RunMotion {
   StepReport advance(const mechanics::TimedLoads& loads, bool isToTolerance);
   /// Restores the state from the start of the step.
   void takeBack() { now_ = before_; }
+  /// The state at the start of the step.
+  const Motion& before() const { return before_; }
 
   /// Whether the scene requests a tolerance in time that a run of it can keep.
   bool wantsTolerance() const { return wantsTolerance_; }

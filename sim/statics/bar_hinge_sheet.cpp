@@ -131,7 +131,7 @@ double BarHingeSheet::energy(const Vector& q) const {
   return sum;
 }
 
-trajectory::PanelSheet BarHingeSheet::panels() const {
+trajectory::LoadedPanels BarHingeSheet::panels() const {
   return {model_.tiles, model_.bars, model_.folds, {}};
 }
 

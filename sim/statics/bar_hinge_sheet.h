@@ -86,7 +86,7 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   double force(std::size_t grip, double load, const Vector& multipliers) const override;
 
   /// The parts of the sheet, without states.
-  trajectory::PanelSheet panels() const;
+  trajectory::LoadedPanels panels() const;
   /// The nodes, strains and fold angles at coordinates, at time 0.
   trajectory::PanelState panelState(const Vector& q) const;
 

@@ -288,16 +288,16 @@ double timeOf(const run::MechanismPath& path, std::size_t state, double seconds)
 }
 
 /// The equilibria of bars and hinges, at their times in the playback.
-std::shared_ptr<const trajectory::PanelSheet> panelsOf(const BarHingeSheet& sheet,
-                                                       const mechanics::LoadPath& loaded,
-                                                       const run::MechanismPath& path,
-                                                       double seconds) {
-  trajectory::PanelSheet panels = sheet.panels();
+std::shared_ptr<const trajectory::LoadedPanels> panelsOf(const BarHingeSheet& sheet,
+                                                         const mechanics::LoadPath& loaded,
+                                                         const run::MechanismPath& path,
+                                                         double seconds) {
+  trajectory::LoadedPanels panels = sheet.panels();
   for (std::size_t k = 0; k < loaded.states.size(); ++k) {
     panels.states.push_back(sheet.panelState(loaded.states[k].coordinates));
     panels.states.back().time = timeOf(path, k, seconds);
   }
-  return std::make_shared<const trajectory::PanelSheet>(std::move(panels));
+  return std::make_shared<const trajectory::LoadedPanels>(std::move(panels));
 }
 
 /// Adds limit points and bifurcations as events, at their time in the playback.

@@ -11,7 +11,7 @@ namespace {
 using Values = std::vector<double>;
 
 /// The tiles at each bar: those that have both of its nodes.
-std::vector<std::vector<std::size_t>> tilesOfBars(const PanelSheet& sheet) {
+std::vector<std::vector<std::size_t>> tilesOfBars(const LoadedPanels& sheet) {
   std::map<std::pair<int, int>, std::size_t> barOf;
   for (std::size_t b = 0; b < sheet.bars.size(); ++b) {
     barOf[std::minmax(sheet.bars[b].nodeA, sheet.bars[b].nodeB)] = b;
@@ -29,7 +29,7 @@ std::vector<std::vector<std::size_t>> tilesOfBars(const PanelSheet& sheet) {
   return tiles;
 }
 
-Values energiesOfTiles(const PanelSheet& sheet, const PanelState& state) {
+Values energiesOfTiles(const LoadedPanels& sheet, const PanelState& state) {
   Values energies(sheet.tileNodes.size(), 0);
   const std::vector<std::vector<std::size_t>> tiles = tilesOfBars(sheet);
   for (std::size_t b = 0; b < sheet.bars.size(); ++b) {
@@ -46,7 +46,7 @@ Values energiesOfTiles(const PanelSheet& sheet, const PanelState& state) {
   return energies;
 }
 
-Values momentsOfTiles(const PanelSheet& sheet, const PanelState& state) {
+Values momentsOfTiles(const LoadedPanels& sheet, const PanelState& state) {
   Values moments(sheet.tileNodes.size(), 0);
   for (std::size_t f = 0; f < sheet.folds.size(); ++f) {
     const double moment = std::abs(sheet.folds[f].moment(state.angles[f]));
@@ -59,8 +59,8 @@ Values momentsOfTiles(const PanelSheet& sheet, const PanelState& state) {
 }
 
 /// Values at a time, linear between those of the two states around it.
-Values atTime(const PanelSheet& sheet, double time,
-              Values (*valuesOf)(const PanelSheet&, const PanelState&)) {
+Values atTime(const LoadedPanels& sheet, double time,
+              Values (*valuesOf)(const LoadedPanels&, const PanelState&)) {
   const auto after = std::ranges::upper_bound(sheet.states, time, {}, &PanelState::time);
   if (after == sheet.states.begin()) return valuesOf(sheet, *after);
   Values values = valuesOf(sheet, *(after - 1));
@@ -76,22 +76,22 @@ Values atTime(const PanelSheet& sheet, double time,
 
 }  // namespace
 
-double PanelSheet::energy(const PanelState& state) const {
+double LoadedPanels::energy(const PanelState& state) const {
   double sum = 0;
   for (std::size_t b = 0; b < bars.size(); ++b) sum += bars[b].energy(state.strains[b]);
   for (std::size_t f = 0; f < folds.size(); ++f) sum += folds[f].energy(state.angles[f]);
   return sum;
 }
 
-Values PanelSheet::tileEnergies(double time) const {
+Values LoadedPanels::tileEnergies(double time) const {
   return atTime(*this, time, energiesOfTiles);
 }
 
-Values PanelSheet::tileMoments(double time) const {
+Values LoadedPanels::tileMoments(double time) const {
   return atTime(*this, time, momentsOfTiles);
 }
 
-void setElasticity(const PanelSheet& sheet, model::Elasticity& elasticity) {
+void setElasticity(const LoadedPanels& sheet, model::Elasticity& elasticity) {
   elasticity.counts.emplace_back("bars", static_cast<int>(sheet.bars.size()));
   elasticity.counts.emplace_back("folds", static_cast<int>(sheet.folds.size()));
   elasticity.energyStart = sheet.energy(sheet.states.front());

@@ -47,7 +47,7 @@ struct PanelState {
 };
 
 /// A sheet of bars and hinges, and the equilibria that a run went through.
-struct PanelSheet {
+struct LoadedPanels {
   std::vector<std::vector<int>> tileNodes;  ///< the node of each vertex of each tile
   std::vector<Bar> bars;                    ///< edges and diagonals of tiles
   std::vector<Fold> folds;                  ///< between tiles, and within tiles that bend
@@ -65,6 +65,6 @@ struct PanelSheet {
 
 /// Sets the energies and the moment to those of the sheet's first and last state, and adds the
 /// counts of bars and folds.
-void setElasticity(const PanelSheet& sheet, model::Elasticity& elasticity);
+void setElasticity(const LoadedPanels& sheet, model::Elasticity& elasticity);
 
 }  // namespace kirireel::trajectory

@@ -186,7 +186,7 @@ struct TrajectoryEnd {
   std::vector<FigureState> figureStates;  ///< one per figure that a single state determines
   std::string findings;                   ///< results about the scene, as JSON; may be empty
   /// Of tiles that stretch and bend under grips; null for other runs. It never changes.
-  std::shared_ptr<const PanelSheet> panels;
+  std::shared_ptr<const LoadedPanels> panels;
 };
 
 /// One run: samples equally spaced in time from 0, and one at the end.

@@ -316,7 +316,7 @@ void writeFigureStates(ArrayWriter& file, const std::vector<FigureState>& states
   writeArray(file, "figures/rotation", rotations, {states.size(), bricks, 4}, "1");
 }
 
-void writePanels(ArrayWriter& file, const PanelSheet& sheet) {
+void writePanels(ArrayWriter& file, const LoadedPanels& sheet) {
   std::vector<int> vertexNodes, barNodes, foldNodes, foldTiles;
   std::vector<double> lengths, barStiffness, foldStiffness, rests;
   for (const std::vector<int>& nodes : sheet.tileNodes) {
@@ -1067,7 +1067,7 @@ struct TrajectoryReader::FileRun final : Internals {
   }
 
   void readPanels() {
-    PanelSheet sheet;
+    LoadedPanels sheet;
     const Shape shape = file.shape(layout::kPanelNodes);
     if (shape.size() != 3 || shape[0] == 0 || shape[1] == 0 || shape[2] != 3) {
       file.refuse(fmt::format("the array {} does not have three numbers for each node",
@@ -1122,7 +1122,7 @@ struct TrajectoryReader::FileRun final : Internals {
       }
       sheet.states.push_back(std::move(state));
     }
-    end.panels = std::make_shared<const PanelSheet>(std::move(sheet));
+    end.panels = std::make_shared<const LoadedPanels>(std::move(sheet));
   }
 
   /// The poses in a row of a group's position and rotation; "" is the file itself.

@@ -60,7 +60,7 @@
 ///                                              description as attributes; see makeCurveMeter()
 ///     load_curve/             equilibria under grips, see render/record/load_curve_file.h
 ///     panels/                 tiles that stretch and bend under grips, as bars and hinges; see
-///                             PanelSheet. States are those of load_curve
+///                             LoadedPanels. States are those of load_curve
 ///       vertex_node           vertices         node of each vertex of model/vertices
 ///       bar_nodes             bars x 2
 ///       bar_length            bars             m, without force
@@ -245,9 +245,9 @@ inline constexpr const char* kHoldKinds = "holds/kind";
 /// The tile and the object that it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
 
-/// Tiles that stretch and bend under grips, see PanelSheet.
+/// Tiles that stretch and bend under grips, see LoadedPanels.
 inline constexpr const char* kPanels = "panels";
-inline constexpr const char* kVertexNodes = "panels/vertex_node";       ///< PanelSheet::tileNodes
+inline constexpr const char* kVertexNodes = "panels/vertex_node";       ///< LoadedPanels::tileNodes
 inline constexpr const char* kBarNodes = "panels/bar_nodes";            ///< ends of each bar
 inline constexpr const char* kBarLengths = "panels/bar_length";         ///< Bar::rest
 inline constexpr const char* kBarStiffness = "panels/bar_stiffness";    ///< Bar::stiffness

@@ -114,8 +114,9 @@ TEST_P(Units, AreWhatAFileOfTheRunHas) {
                 .exitCode,
             0);
   // To the last digit.
-  EXPECT_EQ(readText(scratch / "sheet" / "vertices.txt"),
-            readText(scratch / "again" / "vertices.txt"));
+  const std::string unit = GetParam().unit;
+  EXPECT_EQ((unit == "m" ? "" : "# unit " + unit + "\n") + readText(scratch / "sheet/vertices.txt"),
+            readText(scratch / "again/vertices.txt"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Units,

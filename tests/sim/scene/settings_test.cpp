@@ -44,7 +44,7 @@ TEST(Settings, HaveKeysOfTheirOwn) {
     EXPECT_FALSE(setting.help.empty()) << setting.key;
     EXPECT_EQ(setting.unit.empty(), setting.isSwitch) << setting.key;
   }
-  EXPECT_EQ(keys.size(), 44U);
+  EXPECT_EQ(keys.size(), 45U);
 }
 
 TEST(Settings, ReadBackWhatTheyWrite) {

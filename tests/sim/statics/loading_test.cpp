@@ -346,7 +346,7 @@ TEST(Loading, LiftsATileAboutAFold) {
 TEST(Loading, StoresTheStatesOfPanels) {
   const run::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
   ASSERT_TRUE(run.trajectory.panels);
-  const trajectory::PanelSheet& panels = *run.trajectory.panels;
+  const trajectory::LoadedPanels& panels = *run.trajectory.panels;
   const std::vector<mechanics::Equilibrium>& states = run.loadCurve->states;
   ASSERT_EQ(panels.states.size(), states.size());
   EXPECT_EQ(panels.tileNodes[0][1], panels.tileNodes[1][0]);

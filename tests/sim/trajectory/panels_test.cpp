@@ -10,8 +10,8 @@ namespace kirireel {
 namespace {
 
 /// A square of two triangles that bends at its diagonal, and a triangle at one of its sides.
-trajectory::PanelSheet squareAndTriangle() {
-  trajectory::PanelSheet sheet;
+trajectory::LoadedPanels squareAndTriangle() {
+  trajectory::LoadedPanels sheet;
   sheet.tileNodes = {{0, 1, 2, 3}, {2, 1, 4}};
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {0, 3}, {0, 2}, {1, 4}, {2, 4}}) {
     sheet.bars.push_back({a, b, 2, 10});
@@ -25,7 +25,7 @@ trajectory::PanelSheet squareAndTriangle() {
 
 // A bar holds k (e l)^2 / 2 = 20 e^2, the folds 1.5 * 0.5^2 and 2.5 * 0.4^2.
 TEST(Panels, HoldTheEnergyOfBarsAndFolds) {
-  const trajectory::PanelSheet sheet = squareAndTriangle();
+  const trajectory::LoadedPanels sheet = squareAndTriangle();
   EXPECT_EQ(sheet.energy(sheet.states[0]), 0);
   EXPECT_NEAR(sheet.energy(sheet.states[1]), 20 * 0.15 + 0.375 + 0.4, 1e-14);
   const std::vector<double> end = sheet.tileEnergies(2);
@@ -36,7 +36,7 @@ TEST(Panels, HoldTheEnergyOfBarsAndFolds) {
 }
 
 TEST(Panels, AreLinearBetweenTheirStates) {
-  const trajectory::PanelSheet sheet = squareAndTriangle();
+  const trajectory::LoadedPanels sheet = squareAndTriangle();
   for (const double time : {-1.0, 0.0, 0.5, 2.0, 3.0}) {
     const std::vector<double> energies = sheet.tileEnergies(time);
     EXPECT_NEAR(std::accumulate(energies.begin(), energies.end(), 0.0),
@@ -45,7 +45,7 @@ TEST(Panels, AreLinearBetweenTheirStates) {
 }
 
 TEST(Panels, HaveTheLargestMomentOfTheirFolds) {
-  const trajectory::PanelSheet sheet = squareAndTriangle();
+  const trajectory::LoadedPanels sheet = squareAndTriangle();
   EXPECT_EQ(sheet.tileMoments(0), (std::vector<double>{0, 0}));
   EXPECT_EQ(sheet.tileMoments(2), (std::vector<double>{2, 2}));  // 5 * 0.4, over 3 * 0.5
   model::Elasticity elasticity{{{"springs", 1}}, 7, 7, 7};

@@ -144,10 +144,10 @@ void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& 
 }
 
 /// Panels of random bits, with a node for each vertex.
-trajectory::PanelSheet randomPanels(const std::vector<model::Tile>& tiles) {
+trajectory::LoadedPanels randomPanels(const std::vector<model::Tile>& tiles) {
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  trajectory::PanelSheet sheet;
+  trajectory::LoadedPanels sheet;
   int nodes = 0;
   for (const model::Tile& tile : tiles) {
     std::vector<int>& numbers = sheet.tileNodes.emplace_back();
@@ -200,12 +200,12 @@ TEST(TrajectoryFile, KeepsEveryBit) {
 TEST(TrajectoryFile, KeepsEveryBitOfPanels) {
   const TemporaryFolder folder;
   trajectory::Trajectory written = randomTrajectory(3);
-  const trajectory::PanelSheet a = randomPanels(written.model.tiles);
-  written.panels = std::make_shared<const trajectory::PanelSheet>(a);
+  const trajectory::LoadedPanels a = randomPanels(written.model.tiles);
+  written.panels = std::make_shared<const trajectory::LoadedPanels>(a);
   trajectory::writeTrajectory(written, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_TRUE(reader.end().panels);
-  const trajectory::PanelSheet& b = *reader.end().panels;
+  const trajectory::LoadedPanels& b = *reader.end().panels;
   EXPECT_EQ(a.tileNodes, b.tileNodes);
   ASSERT_EQ(a.bars.size(), b.bars.size());
   for (std::size_t k = 0; k < a.bars.size(); ++k) {
@@ -408,22 +408,22 @@ TEST(TrajectoryFile, RefusesContradictions) {
 
 TEST(TrajectoryFile, RefusesPanelsThatContradict) {
   const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
-  const auto refusal = [](const std::function<void(trajectory::PanelSheet&)>& change) {
+  const auto refusal = [](const std::function<void(trajectory::LoadedPanels&)>& change) {
     return refusalAfter([&](trajectory::Trajectory& t) {
-      trajectory::PanelSheet sheet = randomPanels(t.model.tiles);
+      trajectory::LoadedPanels sheet = randomPanels(t.model.tiles);
       change(sheet);
-      t.panels = std::make_shared<const trajectory::PanelSheet>(std::move(sheet));
+      t.panels = std::make_shared<const trajectory::LoadedPanels>(std::move(sheet));
     });
   };
-  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.tileNodes.pop_back(); }),
+  EXPECT_EQ(refusal([](trajectory::LoadedPanels& sheet) { sheet.tileNodes.pop_back(); }),
             "error: panels/vertex_node does not have a node for each vertex" + advice);
-  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.bars[1].nodeB = 64; }),
+  EXPECT_EQ(refusal([](trajectory::LoadedPanels& sheet) { sheet.bars[1].nodeB = 64; }),
             "error: panels/bar_nodes does not have 2 indices below 64 in each row" + advice);
-  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.folds[0].tiles[1] = -1; }),
+  EXPECT_EQ(refusal([](trajectory::LoadedPanels& sheet) { sheet.folds[0].tiles[1] = -1; }),
             "error: panels/fold_tiles does not have 2 indices below 16 in each row" + advice);
-  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.states[1].time = -1; }),
+  EXPECT_EQ(refusal([](trajectory::LoadedPanels& sheet) { sheet.states[1].time = -1; }),
             "error: the times of the panels decrease" + advice);
-  EXPECT_EQ(refusal([](trajectory::PanelSheet& sheet) { sheet.states[2].strains[0] = NAN; }),
+  EXPECT_EQ(refusal([](trajectory::LoadedPanels& sheet) { sheet.states[2].strains[0] = NAN; }),
             "error: the array panels/bar_strain has a number that is not finite" + advice);
 }
 
