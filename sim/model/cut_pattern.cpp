@@ -1006,12 +1006,11 @@ class CutPatternReader {
     constexpr double kStrip = 0.02;  // width / length, less than of any tile
     for (LineGroup& group : groups_) {
       std::vector<const DrawnPath*> open;
+      closedRings(group.paths, tolerance_, open);
+      dropSidesOfOutlines(open);
       std::vector<PlaneSegment> chords;
-      for (const DrawnPath* path : group.paths) {
-        if (path->isClosed) continue;
-        open.push_back(path);
+      for (const DrawnPath* path : open)
         chords.emplace_back(path->points.front(), path->points.back());
-      }
       std::vector<std::vector<int>> partners(open.size());
       visitNearSegments(chords, kStrip * drawing_.size(), [&](int i, int j) {
         const double apart = apartOf(*open[i], *open[j]);
@@ -1031,6 +1030,36 @@ class CutPatternReader {
         joinedApart_ = std::max(joinedApart_, apart);
       }
     }
+  }
+
+  /// Drops lines that continue with a bend, such as the sides of a slot in separate lines.
+  void dropSidesOfOutlines(std::vector<const DrawnPath*>& open) const {
+    constexpr double kLeastBend = 0.02;  // radians
+    if (open.empty()) return;
+    struct PathEnd {
+      std::size_t path = 0;
+      Vector2 inwards;  // unit vector
+    };
+    PointNumbers numbers(tolerance_, open.front()->points.front());
+    std::vector<std::vector<PathEnd>> at;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      const auto& p = open[k]->points;
+      for (const auto& [end, before] : {std::pair(p.front(), p[1]), {p.back(), p[p.size() - 2]}}) {
+        const int number = numbers.add(end);
+        at.resize(numbers.count());
+        at[number].push_back({k, (before - end).normalized()});
+      }
+    }
+    std::set<const DrawnPath*> bent;
+    for (const std::vector<PathEnd>& ends : at) {
+      for (const PathEnd& one : ends) {
+        for (const PathEnd& other : ends) {
+          if (one.path == other.path || (one.inwards + other.inwards).norm() < kLeastBend) continue;
+          bent.insert(open[one.path]);
+        }
+      }
+    }
+    std::erase_if(open, [&](const DrawnPath* path) { return bent.contains(path); });
   }
 
   static Vector2 nearestOn(const DrawnPath& path, const Vector2& point) {

@@ -229,6 +229,27 @@ TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
   }
 }
 
+// Each side is a line of its own: the long sides of a slot are no doubled line.
+TEST(CutPatterns, SidesOfSlotsMayBeSeparateLines) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  for (const bool areMouthsOpen : {false, true}) {
+    std::string text = closedPath(grid.outline());
+    for (const auto& [from, to] : grid.slits) {
+      const bool isAtBorder = (from.array() == 0).any() || (from.array() == 80).any();
+      const std::vector<Point> slot = stadium({from, to}, 0.2, 1);
+      for (std::size_t k = 0; k < slot.size(); ++k) {
+        if (k + 2 == slot.size() && areMouthsOpen && isAtBorder) continue;  // the end at the border
+        text += path(slot[k], slot[(k + 1) % slot.size()]);
+      }
+    }
+    SCOPED_TRACE(areMouthsOpen);
+    const Reading reading =
+        read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("slots 0.2 mm"));
+  }
+}
+
 TEST(CutPatterns, ParallelLinesAreOneCut) {
   const SlitGrid grid(4, [] { return 1.0; });
   for (const double apart : {0.004, 0.1, 0.3}) {
