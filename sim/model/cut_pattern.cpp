@@ -1036,12 +1036,12 @@ class CutPatternReader {
   void dropSidesOfOutlines(std::vector<const DrawnPath*>& open) const {
     constexpr double kLeastBend = 0.02;  // radians
     if (open.empty()) return;
-    struct PathEnd {
+    struct CutPathEnd {
       std::size_t path = 0;
       Vector2 inwards;  // unit vector
     };
     PointNumbers numbers(tolerance_, open.front()->points.front());
-    std::vector<std::vector<PathEnd>> at;
+    std::vector<std::vector<CutPathEnd>> at;
     for (std::size_t k = 0; k < open.size(); ++k) {
       const auto& p = open[k]->points;
       for (const auto& [end, before] : {std::pair(p.front(), p[1]), {p.back(), p[p.size() - 2]}}) {
@@ -1051,9 +1051,9 @@ class CutPatternReader {
       }
     }
     std::set<const DrawnPath*> bent;
-    for (const std::vector<PathEnd>& ends : at) {
-      for (const PathEnd& one : ends) {
-        for (const PathEnd& other : ends) {
+    for (const std::vector<CutPathEnd>& ends : at) {
+      for (const CutPathEnd& one : ends) {
+        for (const CutPathEnd& other : ends) {
           if (one.path == other.path || (one.inwards + other.inwards).norm() < kLeastBend) continue;
           bent.insert(open[one.path]);
         }
