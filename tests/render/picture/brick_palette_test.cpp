@@ -119,7 +119,7 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
 // Poses do not show what panels hold: their states do, at their times.
 TEST(BrickPalette, ShowsWhatPanelsHold) {
   picture::PictureContent content = tessellationContent();
-  trajectory::PanelSheet sheet;
+  trajectory::LoadedPanels sheet;
   for (const model::Brick& brick : content.bricks) {
     sheet.tileNodes.emplace_back(brick.bottom.size(), 0);
   }
@@ -127,7 +127,7 @@ TEST(BrickPalette, ShowsWhatPanelsHold) {
   sheet.bars = {{1, 2, 1, 8}};
   sheet.folds = {{{0, 1, 2, 3}, 2, 0, {0, 3}}};
   sheet.states = {{0, {}, {0}, {0}}, {1, {}, {0.5}, {0.5}}};
-  content.panels = std::make_shared<const trajectory::PanelSheet>(sheet);
+  content.panels = std::make_shared<const trajectory::LoadedPanels>(sheet);
   const auto full = picture::mapColour(picture::ColourMap::Viridis, 1, kWhite);
   const auto none = picture::mapColour(picture::ColourMap::Viridis, 0, kWhite);
   const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
