@@ -789,14 +789,12 @@ bool Stepper<D>::solveWithFriction(const Poses& start) {
 }
 
 /// Sets where contacts rub, and the bounds of their friction, by what they carry. Returns whether
-/// any changed.
+/// any changed. Rows that rub are the last ones.
 template <int D>
 bool Stepper<D>::boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses) {
   std::vector<Row>& rows = program_.contacts;
-  const auto pushesOnly = [](const Row& row) { return row.slipShare == 0; };
-  if (!std::ranges::is_partitioned(rows, pushesOnly))
-    std::ranges::stable_partition(rows, pushesOnly);
-  const std::span<Row> before(std::ranges::find_if_not(rows, pushesOnly), rows.end());
+  const auto rubs = [](const Row& row) { return row.slipShare > 0; };
+  const std::span<Row> before(std::ranges::find_if(rows, rubs), rows.end());
   std::vector<Row> now;
   now.reserve(before.size());
   for (const RubbedPlane& plane : planes) appendRubbing(plane, poses, now);
