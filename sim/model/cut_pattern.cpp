@@ -1065,10 +1065,7 @@ class CutPatternReader {
   static Vector2 nearestOn(const DrawnPath& path, const Vector2& point) {
     Vector2 nearest = path.points.front();
     for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
-      const Vector2 from = path.points[k], along = path.points[k + 1] - from;
-      const double share =
-          std::clamp((point - from).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-      const Vector2 place = from + share * along;
+      const Vector2 place = nearestOn({path.points[k], path.points[k + 1]}, point);
       if ((place - point).norm() < (nearest - point).norm()) nearest = place;
     }
     return nearest;
@@ -1250,11 +1247,15 @@ class CutPatternReader {
     }
   }
 
-  static double distanceTo(const PlaneSegment& line, const Vector2& point) {
+  static Vector2 nearestOn(const PlaneSegment& line, const Vector2& point) {
     const Vector2 along = line.second - line.first;
     const double share = std::clamp(
         (point - line.first).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-    return (line.first + share * along - point).norm();
+    return line.first + share * along;
+  }
+
+  static double distanceTo(const PlaneSegment& line, const Vector2& point) {
+    return (nearestOn(line, point) - point).norm();
   }
 
   /// Whether an end of one line is on the other.

@@ -552,16 +552,30 @@ TileTable tableOf(const fs::path& file, const CornerNumbers& outlines,
   return table;
 }
 
+/// Faces in all states.
+class FacesInStates {
+ public:
+  FacesInStates(const CornerNumbers& faces, const std::vector<std::vector<Vector3>>& states) {
+    for (const std::vector<Vector3>& points : states) {
+      tiles_.push_back(tableOf({}, faces, points).tiles);
+    }
+    for (const std::vector<Tile>& state : tiles_) all_.push_back(&state);
+  }
+  FacesInStates(const FacesInStates&) = delete;
+  FacesInStates& operator=(const FacesInStates&) = delete;
+
+  const std::vector<const std::vector<Tile>*>& all() const { return all_; }
+
+ private:
+  std::vector<std::vector<Tile>> tiles_;
+  std::vector<const std::vector<Tile>*> all_;
+};
+
 /// Gives vertices at one place one number, as in a mesh whose faces have their own vertices.
 void mergeRepeatedVertices(const std::vector<std::vector<Vector3>>& states, const fs::path& file,
                            FoldSheet& drawing) {
-  std::vector<std::vector<Tile>> tiles;
-  for (const std::vector<Vector3>& points : states) {
-    tiles.push_back(tableOf(file, drawing.faces, points).tiles);
-  }
-  std::vector<const std::vector<Tile>*> all;
-  for (const std::vector<Tile>& state : tiles) all.push_back(&state);
-  const CornerNumbers merged = meshNumbers(drawing.faces, all, file);
+  const FacesInStates faces(drawing.faces, states);
+  const CornerNumbers merged = meshNumbers(drawing.faces, faces.all(), file);
   if (merged == drawing.faces) return;
   std::vector<int> numbers = numbersBelow(drawing.vertices.size());
   for (std::size_t face = 0; face < merged.size(); ++face) {
@@ -575,7 +589,6 @@ void mergeRepeatedVertices(const std::vector<std::vector<Vector3>>& states, cons
 /// Removes slits and repeated vertices from the faces, and joins those that J edges join.
 void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
                FoldSheet& drawing) {
-  const fs::path none;
   CornerNumbers outlines;
   for (const std::vector<int>& face : drawing.faces) {
     outlines.push_back(faceOutline(face));
@@ -585,24 +598,18 @@ void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>
                     "delete it",
                     outlines.size() - 1, outlines.back().size()));
   }
-  std::vector<std::vector<Tile>> tiles;
-  for (const std::vector<Vector3>& points : states) {
-    tiles.push_back(tableOf(none, outlines, points).tiles);
-  }
-  std::vector<const std::vector<Tile>*> all;
-  for (const std::vector<Tile>& state : tiles) all.push_back(&state);
   std::set<std::pair<int, int>> joined;
   for (const Crease& crease : drawing.creases) {
     if (crease.assignment == 'J') joined.insert(std::minmax(crease.from, crease.to));
   }
   if (joined.empty()) {
     drawing.outlines = std::move(outlines);
-    drawing.tileOf.resize(drawing.faces.size());
-    std::iota(drawing.tileOf.begin(), drawing.tileOf.end(), 0);
+    drawing.tileOf = numbersBelow(drawing.faces.size());
     return;
   }
   // Faces on both sides of a J edge, if they stay coplanar in all states.
-  JoinedFaces pieces = joinFaces(outlines, coplanarFaces(outlines, all, &joined));
+  const FacesInStates faces(outlines, states);
+  JoinedFaces pieces = joinFaces(outlines, coplanarFaces(outlines, faces.all(), &joined));
   drawing.outlines = std::move(pieces.tiles);
   drawing.tileOf = std::move(pieces.tileOf);
 }
