@@ -110,7 +110,7 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
 /// The first argument that is PyKirigami's own name or "--like pykirigami". It selects PyKirigami's
-/// defaults. Empty if there is none. Other underscores are only read as hyphens.
+/// defaults. Empty without such an argument. Other underscores are only read as hyphens.
 std::string peerSpelling(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel::cli

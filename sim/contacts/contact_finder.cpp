@@ -881,8 +881,8 @@ bool BrickPair::isSeparatedInTurn(const PairMove& move) const {
   return false;
 }
 
-/// The new steady plane that held best at the start and is violated least at the end; null if there
-/// is none.
+/// The new steady plane that held best at the start and is violated least at the end. Null
+/// without one.
 const SeparatingPlane* BrickPair::planeToGive(long step) {
   std::vector<const SeparatingPlane*> candidates;
   double best = -kInfinity;

@@ -103,7 +103,7 @@ int parseWholeNumber(const TextField& field, const FileLocation& location,
 std::string unitLine(const LengthUnit& unit);
 
 /// The unit that such a line, or "comment unit mm" of a PLY file, declares among the first lines of
-/// a file. Absent if there is none.
+/// a file, if any.
 std::optional<LengthUnit> unitInComments(const std::filesystem::path& file);
 
 }  // namespace kirireel::model
