@@ -99,7 +99,7 @@ class Stepper : public JointSolver {
   bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
   double largestGap(const Vector& gaps, const std::vector<Row>& held) const;
-  void countLosses(double step);
+  void countLosses(double step, bool areHeld);
   void addGain(const Poses& poses, double step, LoadGain& given) const;
   StepOutcome tryStep(const Motion& start, double step, const LoadSource& loads, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
@@ -237,7 +237,7 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
   } else {
     standstill_.recordMotion();
     keepMultipliers(step);
-    countLosses(step);
+    countLosses(step, false);
   }
   finishStep(motion);
 }
@@ -580,20 +580,28 @@ void Stepper<D>::keepMultipliers(double step) {
   }
 }
 
-/// What dampers take along the step, and contacts: their impulse times the mean of the velocities
-/// before and after (Kelvin).
+/// What dampers take along the step, and contacts: an impulse times the mean of the velocities before
+/// and after (Kelvin). Contacts that are held take only friction, as their points do not approach.
+/// Where joints alone hold a contact too, the impulses of both are arbitrary and cancel in their sum:
+/// impacts take at most what the impulses of all joints and contacts do.
 template <int D>
-void Stepper<D>::countLosses(double step) {
+void Stepper<D>::countLosses(double step, bool areHeld) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const typename Space::Vector velocity = program_.x.template segment<D>(D * i);
     report_.damped += step * velocity.dot(Space::restrict(loads_[i].damping) * velocity);
   }
   report_.damped += system_.dampedBySprings(step, program_.x);
+  if (program_.contacts.empty()) return;
   const Vector mean = 0.5 * (startSpeed_ + program_.x);
+  double impacts = 0, friction = 0;
   for (const Row& row : program_.contacts) {
-    if (row.hasNormal) report_.impacted -= row.multiplier * row.normalVelocity(mean);
-    report_.impacted -= row.slipMultiplier.dot(row.slipVelocity(mean));
+    if (row.hasNormal) impacts -= row.multiplier * row.normalVelocity(mean);
+    friction -= row.slipMultiplier.dot(row.slipVelocity(mean));
   }
+  report_.impacted += friction;
+  if (areHeld) return;
+  const double all = mean.dot(system_.force() - system_.timesA(program_.x));
+  report_.impacted += std::clamp(impacts, 0.0, std::max(0.0, all - friction));
 }
 
 /// Writes the new state; angular momentum, not angular velocity, is carried across the turn.
@@ -834,7 +842,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   report_ = {.steps = 1};
   if (!solveWithFriction(motion.poses)) report_.unconverged = 1;
   keepHeldRows(step);
-  countLosses(step);
+  countLosses(step, true);
   addGain(motion.poses, step, given);
   end_.poses = motion.poses;
   displace(step * program_.x);
