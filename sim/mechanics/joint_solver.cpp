@@ -115,6 +115,7 @@ class Stepper : public JointSolver {
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool solveWithPairForces(const Poses& start, double step);
+  double shareWithWork() const;
   void limitWork();
   bool moveAndClose(const Poses& start, double step);
   void limitEnergyAfterClosing(const Poses& start, double step);
@@ -235,7 +236,12 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
-    standstill_.recordMotion();
+    // At a singular state, closing may leave no motion that the loads pay for.
+    if (end_.jumped && program_.x.isZero(0)) {
+      standstill_.recordStandstill();
+    } else {
+      standstill_.recordMotion();
+    }
     keepMultipliers(step);
     countLosses(step, false);
   }
@@ -264,6 +270,7 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSour
   end_.poses.clear();
   loads(start.poses, loads_);
   beginStep(start, step);
+  if (!warm) program_.multipliers.setZero();
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
   return solveContactRounds(start.poses, step);
@@ -541,14 +548,22 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
 }
 
 /// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
-/// there is. If bricks jam, impulses have not converged when the rounds end, and may do some: then
-/// all bricks move slower, which joints and contacts allow, as they allow rest.
+/// there is. Impulses that have not converged when the rounds end may do some. Returns the largest
+/// share of the velocities that has the work for it: 1 if they have converged, or if joints give.
 template <int D>
-void Stepper<D>::limitWork() {
-  if (program_.contacts.empty() || !program_.exactJoints) return;
+double Stepper<D>::shareWithWork() const {
+  if (!program_.exactJoints) return 1;
   const double cost = program_.x.dot(system_.timesA(program_.x));
   const double means = program_.x.dot(system_.force());
-  if (cost > (1 + kWorkTolerance) * means) program_.x *= std::max(0.0, means / cost);
+  return cost > (1 + kWorkTolerance) * means ? std::max(0.0, means / cost) : 1;
+}
+
+/// If bricks jam, impulses may not converge: then all bricks move slower, which joints and contacts
+/// allow, as they allow rest.
+template <int D>
+void Stepper<D>::limitWork() {
+  const double share = shareWithWork();
+  if (share < 1) program_.x *= share;
 }
 
 template <int D>
@@ -840,7 +855,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
   report_ = {.steps = 1};
-  if (!solveWithFriction(motion.poses)) report_.unconverged = 1;
+  if (!solveWithFriction(motion.poses) || shareWithWork() < 1) report_.unconverged = 1;
   keepHeldRows(step);
   countLosses(step, true);
   addGain(motion.poses, step, given);
@@ -1006,17 +1021,19 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// The energy that a step has at its end, closing included, is at most that at its start: what
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
+/// Where closing jumps, the state is singular: not all velocities that joints allow are the
+/// beginning of a motion, and what moves the bricks to the closed state becomes their velocity.
 template <int D>
 void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
-  if (program_.contacts.empty() || !program_.exactJoints) return;
+  if ((program_.contacts.empty() && !end_.jumped) || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(end_.closing) <= kBend * norm(move)) return;
-  const double cost = system_.workAgainst(loads_, move, end_.closing);
-  if (cost <= 0) return;
   const double before = system_.kineticEnergy(start, startSpeed_);
+  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move) +
+                      system_.workAgainst(loads_, move, end_.closing);
+  if (end_.jumped) program_.x += end_.closing / step;
   const double after = system_.kineticEnergy(start, program_.x);
-  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
-  const double excess = after + work + cost - before;
+  const double excess = after + work - before;
   if (excess <= 0) return;
   program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
   if (excess > after) standStill(start);
@@ -1200,7 +1217,7 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   }
   const bool found = withFriction ? solveWithFriction(motion.poses) : solveVelocities(motion.poses);
   program_.multipliers = warm;
-  if (!found) return false;
+  if (!found || shareWithWork() < 1) return false;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
   }
