@@ -142,8 +142,10 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
     StepReport taken = solver_.eulerStep(row.end, step, now, row.given);
     row.damped += std::exchange(taken.damped, 0);
     row.impacted += std::exchange(taken.impacted, 0);
+    // A step without a solution rejects the trial, which counts that.
+    const bool isSolved = std::exchange(taken.unconverged, 0) == 0;
     report += taken;
-    if (taken.unconverged > 0) return false;
+    if (!isSolved) return false;
   }
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     row.turns.push_back(turnBetween(trial.start.poses[i].rotation, row.end.poses[i].rotation));

@@ -554,14 +554,19 @@ template <int D>
 double Stepper<D>::shareWithWork() const {
   if (!program_.exactJoints) return 1;
   const double cost = program_.x.dot(system_.timesA(program_.x));
-  const double means = program_.x.dot(system_.force());
-  return cost > (1 + kWorkTolerance) * means ? std::max(0.0, means / cost) : 1;
+  const double means = program_.x.dot(program_.force);
+  const double slow = kSlow * settings_.lengthScale;
+  double slowCost = 0;
+  for (const model::Brick& brick : bricks_) slowCost += brick.mass * slow * slow;
+  const double allowed = kWorkTolerance * std::max(cost, slowCost);
+  return cost - means > allowed ? std::max(0.0, means / cost) : 1;
 }
 
 /// If bricks jam, impulses may not converge: then all bricks move slower, which joints and contacts
-/// allow, as they allow rest.
+/// allow, as they allow rest. Newton's method on the forces between pairs limits their work itself.
 template <int D>
 void Stepper<D>::limitWork() {
+  if (program_.contacts.empty() && system_.hasPairBlocks()) return;
   const double share = shareWithWork();
   if (share < 1) program_.x *= share;
 }
@@ -615,7 +620,7 @@ void Stepper<D>::countLosses(double step, bool areHeld) {
   }
   report_.impacted += friction;
   if (areHeld) return;
-  const double all = mean.dot(system_.force() - system_.timesA(program_.x));
+  const double all = mean.dot(program_.force - system_.timesA(program_.x));
   report_.impacted += std::clamp(impacts, 0.0, std::max(0.0, all - friction));
 }
 
