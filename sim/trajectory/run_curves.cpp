@@ -12,6 +12,9 @@
 #include <span>
 #include <string>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/trajectory/measures.h"
@@ -37,7 +40,8 @@ constexpr ShapeCurve kShapeCurves[] = {
     {"covered_area_m2", "covered_area", "m^2", "of tiles that lie in one plane"},
     {"hull_perimeter_m", "hull_perimeter", "m", "of the convex outline"},
     {"porosity", "porosity", "1", "1 - covered / hull"},
-    {"poissons_ratio", "poissons_ratio", "1", "since the start, of logarithmic strains"},
+    {"poissons_ratio", "poissons_ratio", "1",
+     "since the start, of logarithmic strains of the tiles' centres"},
     {"opening_least_deg", "opening_least", "degree", "least turn of joined tiles since the start"},
     {"opening_mean_deg", "opening_mean", "degree", "mean turn of joined tiles since the start"},
     {"opening_largest_deg", "opening_largest", "degree",
@@ -50,7 +54,7 @@ class ShapeMeter final : public SampleMeter {
       : subject_(subject),
         // Sheets that are not flat at the start are measured along z.
         frame_(model::sheetFrame(subject.model).value_or(model::SheetFrame{})),
-        sidesAtStart_(boxSides(model::toFrame(frame_, subject.model.tiles))) {}
+        tilesAtStart_(model::toFrame(frame_, subject.model.tiles)) {}
 
   std::vector<Channel> channels() const override {
     std::vector<Channel> channels;
@@ -78,7 +82,7 @@ class ShapeMeter final : public SampleMeter {
                                   covered,
                                   hull.perimeter,
                                   1 - covered / hull.area,
-                                  poissonsRatio(sidesAtStart_, boxSides(seen)).value_or(kNone)};
+                                  poissonsRatio(tilesAtStart_, seen).value_or(kNone)};
     const std::vector<double> angles = openingAngles(subject_.model.joints, sample.poses);
     for (const double angle : spread(angles)) values.push_back(angle / kDegree);
     for (const double angle : angles) values.push_back(angle / kDegree);
@@ -96,7 +100,7 @@ class ShapeMeter final : public SampleMeter {
 
   const Subject& subject_;
   model::SheetFrame frame_;
-  Vector3 sidesAtStart_;
+  std::vector<model::Tile> tilesAtStart_;  // in the frame
 };
 
 /// Mean and largest force of the joints, and the largest of those that are indeterminate.
@@ -314,6 +318,8 @@ namespace {
 constexpr double kFlatOfBox = 1e-6;
 /// Smaller strains give no meaningful ratio.
 constexpr double kLeastStrain = 1e-3;
+/// Centres of tiles in a narrower strip, over its length, count as on one line.
+constexpr double kLeastWidth = 1e-6;
 
 /// The corners of the convex outline seen along z. (outlineCorners() in model.h also keeps every
 /// vertex on it.)
@@ -359,13 +365,30 @@ std::optional<double> coveredArea(const std::vector<model::Tile>& tiles) {
   return unionArea(outlines);
 }
 
-std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides) {
-  if ((sidesBefore.head<2>().array() <= 0).any() || (sides.head<2>().array() <= 0).any()) {
-    return std::nullopt;
-  }
-  const Eigen::Array2d strains = (sides.head<2>().array() / sidesBefore.head<2>().array()).log();
-  if (std::abs(strains.x()) < kLeastStrain) return std::nullopt;
-  return -strains.y() / strains.x();
+std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
+                                    const std::vector<model::Tile>& now) {
+  const auto centresOf = [](const std::vector<model::Tile>& tiles) {
+    Eigen::Matrix2Xd centres(2, tiles.size());
+    for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+      Vector3 sum = Vector3::Zero();
+      for (const Vector3& vertex : tiles[tile].vertices) sum += vertex;
+      centres.col(static_cast<Eigen::Index>(tile)) =
+          sum.head<2>() / static_cast<double>(tiles[tile].vertices.size());
+    }
+    return Eigen::Matrix2Xd(centres.colwise() - centres.rowwise().mean());
+  };
+  // Least squares: now = F before.
+  const Eigen::Matrix2Xd from = centresOf(before), to = centresOf(now);
+  const Eigen::FullPivLU<Eigen::Matrix2d> square(from * from.transpose());
+  if (square.rcond() < kLeastWidth * kLeastWidth) return std::nullopt;
+  const Eigen::Matrix2d F = square.solve(from * to.transpose()).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> stretch(F.transpose() * F);
+  if (!(stretch.eigenvalues().minCoeff() > 0)) return std::nullopt;
+  const Eigen::Matrix2d strain = stretch.eigenvectors() *
+                                 (0.5 * stretch.eigenvalues().array().log()).matrix().asDiagonal() *
+                                 stretch.eigenvectors().transpose();
+  if (std::abs(strain(0, 0)) < kLeastStrain) return std::nullopt;
+  return -strain(1, 1) / strain(0, 0);
 }
 
 std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const Poses& poses) {

@@ -105,11 +105,13 @@ HullSize hullSize(const std::vector<model::Tile>& tiles);
 /// box). Absent otherwise, because tiles then hide each other. Overlapping areas count once.
 std::optional<double> coveredArea(const std::vector<model::Tile>& tiles);
 
-/// Poisson's ratio between two states, from logarithmic (Hencky) strains of the box's sides:
-///   -log(y / y0) / log(x / x0).
-/// It is -1 for rotating squares at any opening. Absent if x changes by less than a fraction of
-/// 1e-3, because rounding would dominate.
-std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides);
+/// Poisson's ratio between two states seen along z, from the logarithmic (Hencky) strain of the
+/// affine map that fits the motion of the tiles' centres (means of their corners) best:
+///   -e_yy / e_xx,   e = log(F^T F) / 2,   F = argmin sum |F (c_i - c) - (c'_i - c')|^2.
+/// Borders do not count: it is -1 for all rotating squares, triangles and hexagons at any opening.
+/// Absent if e_xx is below 1e-3, because rounding would dominate, or if all centres are on a line.
+std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
+                                    const std::vector<model::Tile>& now);
 
 /// For each joint the rotation between its tiles since the start, when all rotations are
 /// identities. It measures the opening of the joint. Radians, [0, pi]. `poses` has one pose per

@@ -479,6 +479,25 @@ def sheet_axes(run):
     return np.array([x, np.cross(n, x), n])
 
 
+def poissons_ratio(run, frame, tiles):
+    """-e_yy / e_xx of the affine map that fits the tiles' centres best, for each sample."""
+    def centres(v):
+        c = np.array([v[run.first[i]:run.first[i + 1], :2].mean(0) for i in range(len(run.mass))])
+        return c - c.mean(0)
+    start = centres((run.vertices - run.vertices[0]) @ frame.T)
+    ratio = np.full(len(tiles), np.nan)
+    width = np.linalg.svd(start, compute_uv=False)
+    if len(start) < 3 or width[1] < 1e-6 * width[0]:
+        return ratio
+    for k, v in enumerate(tiles):
+        map_ = np.linalg.lstsq(start, centres(v), rcond=None)[0]
+        values, axes = np.linalg.eigh(map_ @ map_.T)
+        strain = axes @ np.diag(np.log(values) / 2) @ axes.T
+        if abs(strain[0, 0]) >= 1e-3:
+            ratio[k] = -strain[1, 1] / strain[0, 0]
+    return ratio
+
+
 def check_curves(run, table):
     if "curves" not in run.file:
         return
@@ -504,10 +523,7 @@ def check_curves(run, table):
     table.add("covered area", c["covered_area"][:], covered, run.tile ** 2)
     with np.errstate(all="ignore"):
         table.add("porosity", c["porosity"][:], 1 - covered / area, 1.0, RELATIVE)
-        start = np.ptp(run.vertices @ frame.T, axis=0)
-        strain = np.log(sides / start)
-        ratio = np.where(np.abs(strain[:, 0]) < 1e-3, np.nan, -strain[:, 1] / strain[:, 0])
-    table.add("Poisson's ratio", c["poissons_ratio"][:], ratio, 1.0, RELATIVE)
+    table.add("Poisson's ratio", c["poissons_ratio"][:], poissons_ratio(run, frame, tiles), 1.0, RELATIVE)
     if "opening" in c and len(run.joints):
         a, b = run.joints[:, 0], run.joints[:, 2]
         turn = vector_of(product(run.rotation[:, b], inverse(run.rotation[:, a])))

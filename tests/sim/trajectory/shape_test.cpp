@@ -2,6 +2,7 @@
 #include <numbers>
 #include <random>
 
+#include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +37,7 @@ struct RotatingSquares {
 };
 
 TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
-  const Vector3 start = trajectory::boxSides(RotatingSquares(0).tiles);
+  const std::vector<model::Tile> start = RotatingSquares(0).tiles;
   for (const double turn : {0.0, 0.1, 0.3, 0.6, 0.785}) {
     const RotatingSquares squares(turn);
     const Vector3 sides = trajectory::boxSides(squares.tiles);
@@ -48,10 +49,35 @@ TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
     EXPECT_NEAR(hull.perimeter, squares.hullPerimeter(), kTolerance);
     EXPECT_NEAR(*trajectory::coveredArea(squares.tiles), kColumns * kRows, kTolerance);
     if (turn > 0) {
-      EXPECT_NEAR(*trajectory::poissonsRatio(start, sides), -1, kTolerance);
+      EXPECT_NEAR(*trajectory::poissonsRatio(start, squares.tiles), -1, kTolerance);
     }  // measured 7e-16
   }
   EXPECT_FALSE(trajectory::poissonsRatio(start, start));
+}
+
+// Centres move by an affine map, tiles turn about them: only the map's strain counts, in the axes
+// of the start. Neither a rotation of all nor tiles that stand out at the border change it.
+TEST(Shape, PoissonsRatioIsThatOfTheCentresMap) {
+  const std::vector<model::Tile> start = RotatingSquares(0).tiles;
+  const double shear = 0.1;
+  Matrix3 strain;
+  strain << 0.2, shear, 0, shear, -0.07, 0, 0, 0, 0;
+  const Eigen::SelfAdjointEigenSolver<Matrix3> axes(strain);
+  const Matrix3 stretch = axes.eigenvectors() *
+                          axes.eigenvalues().array().exp().matrix().asDiagonal() *
+                          axes.eigenvectors().transpose();
+  const Matrix3 map = rotationFromVector({0, 0, 0.8}).toRotationMatrix() * stretch;
+  std::vector<model::Tile> now = start;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const Vector3 centre = 0.25 * (start[k].vertices[0] + start[k].vertices[1] +
+                                   start[k].vertices[2] + start[k].vertices[3]);
+    const double turn = std::sin(3.0 * static_cast<double>(k));
+    const Quaternion own = rotationFromVector({0, 0, turn});
+    for (Vector3& vertex : now[k].vertices) vertex = map * centre + own * (vertex - centre);
+  }
+  EXPECT_NEAR(*trajectory::poissonsRatio(start, now), 0.07 / 0.2, kTolerance);
+  const std::vector<model::Tile> row(start.begin(), start.begin() + 2);
+  EXPECT_FALSE(trajectory::poissonsRatio(row, row));  // centres on a line
 }
 
 model::Tile polygon(const std::vector<Vector3>& corners) {
