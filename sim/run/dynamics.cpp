@@ -31,12 +31,6 @@ bool keepsTolerance(const scene::Scene& scene) {
          !scene.path.jointsAreCompliant();
 }
 
-contacts::FaceContact faceContactOf(const scene::Scene& scene) {
-  const bool isPulled =
-      scene.actuation.drive == scene::Drive::Target && scene.model.target && scene.springs.pull();
-  return isPulled ? contacts::FaceContact::Plane : contacts::FaceContact::Region;
-}
-
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                        const std::vector<model::Brick>& bricks, const Poses& start,
                                        contacts::FaceContact faces) {
@@ -44,12 +38,6 @@ std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::N
     return makeBulletDynamics(scene, bricks, start);
   }
   return std::make_unique<DirectDynamics>(scene, needs, bricks, start, faces);
-}
-
-std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks,
-                                       const Poses& start) {
-  return makeDynamics(scene, needs, bricks, start, faceContactOf(scene));
 }
 
 // ------------------------------------------------------------------------------------------------
