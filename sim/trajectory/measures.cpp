@@ -526,8 +526,6 @@ struct MovedPrism {
 bool isBounded(const MovedPrism& a, const MovedPrism& b, double known) {
   if (known == std::numeric_limits<double>::infinity()) return true;
   const double allowed = known - a.distance - b.distance;
-  // Also if it is not a number.
-  if (!(allowed > -std::numeric_limits<double>::infinity())) return false;
   const bool mayShareLayer = isParallel(a.to.normal(), b.to.normal(), kNearlyParallel);
   if (mayShareLayer && known > a.to.rise.norm()) return false;
   const SeparatingAxes axes(a.to, b.to);
@@ -721,7 +719,7 @@ struct PenetrationMeter::Internals {
   }
 
   // Lists the pairs that may raise the figures in a state of a motion. Returns false if there are
-  // too many near pairs.
+  // too many near pairs, or if a brick has no bound.
   bool listLeft(const PenetrationDepths& known, std::span<const Poses* const> states) {
     const Poses &from = *states.front(), &to = *states.back();
     first.place(prisms, from);
@@ -729,6 +727,8 @@ struct PenetrationMeter::Internals {
     distances.clear();
     for (std::size_t i = 0; i < from.size(); ++i) {
       distances.push_back(chordDistance(static_cast<int>(i), radii[i], states));
+      // A brick without a bound would be near all others.
+      if (!std::isfinite(distances.back())) return false;
     }
     leftJoined.clear();
     leftPieces.clear();
