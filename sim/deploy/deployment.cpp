@@ -365,7 +365,7 @@ class OverlapWatch {
   /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
   void observe(const Poses& poses) {
     if (filter_ != scene::ContactFilter::Unjoined) return;
-    grown_ = std::max(grown_, meter_.at(poses).grown);
+    grown_ = meter_.grownAt(poses, grown_);
   }
 
   /// The largest growth so far, metres. 0 if the user switched contacts off.

@@ -120,7 +120,7 @@ class ClosingPath {
     before_ = beforeLast();
     gaps_ = gapsAt(last_);
     const double longest = extension_ / kStepsToExtension;
-    const double allowed = meter_.at(last_).grown +
+    const double allowed = meter_.grownAt(last_) +
                            run::kClearShare * tile_;  // the path to extension has the same limit
     double step = longest;
     // The gaps of the previous state show which gaps are closing.
@@ -137,7 +137,7 @@ class ClosingPath {
         if (step < kLeastStep * tile_) throw stopped();
         continue;
       }
-      if (const double grown = meter_.at(tried).grown; grown > allowed) {
+      if (const double grown = meter_.grownAt(tried); grown > allowed) {
         keep(lastFree(tried, allowed));
         note(true);
         return;
@@ -279,7 +279,7 @@ class ClosingPath {
     for (int k = 0; k < kBisections; ++k) {
       const double share = 0.5 * (free + blocked);
       Poses tried = interpolate(last_, beyond, share);
-      const bool isFree = close(tried) && meter_.at(tried).grown <= allowed;
+      const bool isFree = close(tried) && meter_.grownAt(tried) <= allowed;
       (isFree ? free : blocked) = share;
       if (isFree) best = std::move(tried);
     }
@@ -323,10 +323,9 @@ class ClosingPath {
     found_.closedWords =
         fmt::format("the path ends when the tiles meet again{}: {} of {} hinges are closed",
                     meetBetween ? " away from their hinges" : "", count, hinges_.size());
-    found_.evaluation.overlapGrowthAtEnd = meter_.at(path_.states.back()).grown;
+    found_.evaluation.overlapGrowthAtEnd = meter_.grownAt(path_.states.back());
     for (const Poses& state : path_.states) {
-      found_.evaluation.overlapGrowth =
-          std::max(found_.evaluation.overlapGrowth, meter_.at(state).grown);
+      found_.evaluation.overlapGrowth = meter_.grownAt(state, found_.evaluation.overlapGrowth);
     }
     found_.evaluation.length = path_.length();
     path_.guideLength = path_.length();

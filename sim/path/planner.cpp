@@ -186,6 +186,9 @@ bool mayTouch(const scene::Scene& scene) {
   return scene.environment.contacts != scene::ContactFilter::None;
 }
 
+// Overlaps of the states in so many intervals are measured together.
+constexpr std::size_t kTogether = 6;
+
 /// Measures a path except for its end, error and work. The scene has the contacts that were
 /// requested.
 void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
@@ -196,20 +199,32 @@ void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
   trajectory::PenetrationMeter meter =
       run::overlapMeter(scene.environment, bricks, pivots, states.front());
   evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
-  const auto measure = [&](const Poses& state) {
+  std::vector<Poses> halves;  // of kTogether intervals
+  std::vector<const Poses*> measured;
+  const auto measure = [&] {
     if (mayTouch(scene)) {
-      evaluation.overlapGrowthAtEnd = meter.at(state).grown;
-      evaluation.overlapGrowth = std::max(evaluation.overlapGrowth, evaluation.overlapGrowthAtEnd);
+      constexpr double kAny = std::numeric_limits<double>::infinity();
+      evaluation.overlapGrowth =
+          meter.atLeastEach({kAny, kAny, evaluation.overlapGrowth}, measured).back().grown;
+      if (measured.back() == &states.back())
+        evaluation.overlapGrowthAtEnd = meter.grownAt(states.back());
     }
-    if (!found.hasCompliantJoints) return;
-    evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, state).max);
+    for (const Poses* state : measured) {
+      if (!found.hasCompliantJoints) break;
+      evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, *state).max);
+    }
+    halves.clear();
+    measured.clear();
   };
   run::StatesBetween between(scene, found);
-  measure(states.front());
+  halves.reserve(kTogether);
+  measured.push_back(&states.front());
   for (std::size_t k = 1; k < states.size(); ++k) {
-    measure(between.at(k, 0.5));
-    measure(states[k]);
+    measured.push_back(&halves.emplace_back(between.at(k, 0.5)));
+    measured.push_back(&states[k]);
+    if (halves.size() == kTogether) measure();
   }
+  if (!measured.empty()) measure();
   evaluation.length = found.path.length();
   measureRoughness(bricks, found.path, evaluation);
 }
@@ -284,10 +299,12 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
   const scene::ContactFilter contacts =
       arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
-  better.path = smoothed(scene, found, contacts, budget, shouldContinue);
-  // Without overlaps on the found path, a path near it needs no contacts.
-  if (before.overlapGrowth > allowed) better.contacts = contacts;
-  evaluate(scene, better);
+  if (auto path = smoothed(scene, found, contacts, budget, shouldContinue)) {
+    better.path = *std::move(path);
+    // Without overlaps on the found path, a path near it needs no contacts.
+    if (before.overlapGrowth > allowed) better.contacts = contacts;
+    evaluate(scene, better);
+  }
   run::PathEvaluation& after = better.evaluation;
   after.candidate = "smoothed: " + before.candidate;
   after.work = budget.spent() - spent;
@@ -424,7 +441,7 @@ class Planner {
 
   /// The growth of overlaps at a state, for bricks that may touch, metres.
   double growthAt(const Poses& state) const {
-    return run::overlapMeter(scene_.environment, bricks_, pivots_, start_).at(state).grown;
+    return run::overlapMeter(scene_.environment, bricks_, pivots_, start_).grownAt(state);
   }
 
   void tryCandidate(Candidate candidate) {

@@ -693,13 +693,15 @@ class Smoothing {
 
 }  // namespace
 
-run::MechanismPath smoothed(const scene::Scene& scene, const run::GeometricPath& found,
-                            scene::ContactFilter contacts, run::SearchBudget& budget,
-                            const PathObserver& shouldContinue) {
-  run::MechanismPath path = found.path;
-  if (!(path.length() > 0) || path.states.front().size() > kMostBricks) return path;
+std::optional<run::MechanismPath> smoothed(const scene::Scene& scene,
+                                           const run::GeometricPath& found,
+                                           scene::ContactFilter contacts, run::SearchBudget& budget,
+                                           const PathObserver& shouldContinue) {
+  const run::MechanismPath& old = found.path;
+  if (!(old.length() > 0) || old.states.front().size() > kMostBricks) return std::nullopt;
   std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
-  if (states.empty()) return path;
+  if (states.empty()) return std::nullopt;
+  run::MechanismPath path = old;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   path.states = std::move(states);
   path.lengths = {0};

@@ -1,6 +1,8 @@
 /// Improvement of a found path as a whole.
 #pragma once
 
+#include <optional>
+
 #include "sim/path/continuation.h"
 #include "sim/run/geometric_path.h"
 #include "sim/run/mechanism_path.h"
@@ -12,11 +14,12 @@ namespace kirireel::path {
 /// rotations. It is smoother and has none of the jumps of a path that was followed state by state.
 /// Joints stay closed. If they are open along the path, they may open in the same modes, at a
 /// price. Bricks that may touch by `contacts` are kept apart. The path keeps its symmetries.
-/// Returns the found path if it cannot be improved, if it has more freedom than the budget allows,
-/// or if it has more than 250 bricks. The caller compares the two. Charges `budget`. Ends early if
-/// it is spent or if `shouldContinue`, which may be empty, returns false.
-run::MechanismPath smoothed(const scene::Scene& scene, const run::GeometricPath& found,
-                            scene::ContactFilter contacts, run::SearchBudget& budget,
-                            const PathObserver& shouldContinue = {});
+/// Absent if the path cannot be improved, if it has more freedom than the budget allows, or if it
+/// has more than 250 bricks. The caller compares the two. Charges `budget`. Ends early if it is
+/// spent or if `shouldContinue`, which may be empty, returns false.
+std::optional<run::MechanismPath> smoothed(const scene::Scene& scene,
+                                           const run::GeometricPath& found,
+                                           scene::ContactFilter contacts, run::SearchBudget& budget,
+                                           const PathObserver& shouldContinue = {});
 
 }  // namespace kirireel::path

@@ -183,7 +183,7 @@ void addPushedWarning(const scene::Scene& scene, const Poses& closed, Deployment
   const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   const Poses asRead = model::startPoses(scene.model.tiles, bricks);
   trajectory::PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
-  const double pushed = meter.at(closed).grown;
+  const double pushed = meter.grownAt(closed);
   if (pushed <= kClearShare * tile) return;
   result.warnings.push_back(fmt::format(
       "the joints are open by up to {} at the start. Closing them makes bricks overlap by {}",

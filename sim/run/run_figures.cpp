@@ -56,19 +56,18 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   const bool isStart = gaps_.count == 0;
   double grown = accuracy_.penetrationGrownMax, grownAt = time;
   const Poses* grownIn = isStart ? &poses : nullptr;
-  const auto measure = [&](double moment, const Poses& measured) {
-    const double depth = overlaps_->atLeast({kAnyDepth, kAnyDepth, grown}, measured).grown;
-    if (!(depth > grown)) return;
-    grown = depth;
-    grownAt = moment;
-    grownIn = &measured;
-  };
-  const std::vector<Poses>& states = within.states;
-  const double interval = (time - within.begin) / (static_cast<double>(states.size()) + 1);
+  std::vector<const Poses*> states;
+  for (const Poses& state : within.states) states.push_back(&state);
+  states.push_back(&poses);
+  const auto depths = overlaps_->atLeastEach({kAnyDepth, kAnyDepth, grown}, states);
+  const double interval = (time - within.begin) / static_cast<double>(states.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
-    measure(within.begin + interval * static_cast<double>(k + 1), states[k]);
+    if (!(depths[k].grown > grown)) continue;
+    grown = depths[k].grown;
+    const bool isLast = k + 1 == states.size();
+    grownAt = isLast ? time : within.begin + interval * static_cast<double>(k + 1);
+    grownIn = states[k];
   }
-  measure(time, poses);
   trajectory::PenetrationDepths atStart;
   if (isStart) atStart = overlaps_->at(poses);
   const TimedPoses state = {time, poses};
@@ -144,18 +143,16 @@ trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
   }
   const double interval = (time - lastSample_.time) / (static_cast<double>(states.size()) + 1);
   states.push_back(poses);
-  std::vector<trajectory::PenetrationDepths> depths;
-  trajectory::PenetrationDepths deepest = {accuracy_.penetrationMax,
-                                           accuracy_.penetrationOutsidePivotsMax, kAnyDepth};
-  for (const Poses& state : states) {
-    deepest = depths.emplace_back(overlaps_->atLeast(deepest, state));
-  }
+  std::vector<const Poses*> measured;
+  for (const Poses& state : states) measured.push_back(&state);
+  const auto depths = overlaps_->atLeastEach(
+      {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax, kAnyDepth}, measured);
   trajectory::Sample sample;
   sample.time = time;
   sample.poses = std::move(poses);
   sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
   sample.targetError = targetErrorOf(sample.poses);
-  sample.penetration = overlaps_->at(sample.poses).whole;
+  sample.penetration = overlaps_->atLeast({0, kAnyDepth, kAnyDepth}, sample.poses).whole;
   for (std::size_t k = 0; k < states.size(); ++k) {
     const double moment = time - interval * static_cast<double>(states.size() - 1 - k);
     raiseOverlaps(depths[k], {moment, states[k]});

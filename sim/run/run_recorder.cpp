@@ -55,10 +55,11 @@ StatesWithin RunRecorder::statesWithin() {
     open[k] = motion_.posesAt(time);
     closed[k] = motion_.closedPosesAt(time, forces_.pinned());
   }
+  const ThirdsCorrection correction(open, closed);
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
     Poses& poses = within.states.emplace_back(motion_.posesAt(timeAt(share)));
-    if (isClosed) moveByThirds(poses, share, open, closed);
+    if (isClosed) correction.addTo(poses, share);
   }
   return within;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::run {
@@ -120,19 +121,28 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
   return momentsThrough(from, closed, to);
 }
 
+ThirdsCorrection::ThirdsCorrection(const std::array<Poses, 2>& open,
+                                   const std::array<Poses, 2>& closed) {
+  for (std::size_t third = 0; third < 2; ++third) {
+    for (std::size_t i = 0; i < open[third].size(); ++i) {
+      const Pose &from = open[third][i], &to = closed[third][i];
+      moves_[third].push_back(to.position - from.position);
+      turns_[third].push_back(turnBetween(from.rotation, to.rotation));
+    }
+  }
+}
+
 // p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with
 // b(s) = 27/2 s (1 - s) (2/3 - s). Rotations use rotation vectors. Joints open by the fourth power
 // of the rotation.
-void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
-                  const std::array<Poses, 2>& closed) {
+void ThirdsCorrection::addTo(Poses& poses, double share) const {
   const double whole = 13.5 * share * (1 - share);
   const std::array<double, 2> bulges = {whole * (2.0 / 3 - share), whole * (share - 1.0 / 3)};
   for (std::size_t i = 0; i < poses.size(); ++i) {
     Vector3 turn = Vector3::Zero();
     for (std::size_t third = 0; third < 2; ++third) {
-      const Pose &from = open[third][i], &to = closed[third][i];
-      poses[i].position += bulges[third] * (to.position - from.position);
-      turn += bulges[third] * turnBetween(from.rotation, to.rotation);
+      poses[i].position += bulges[third] * moves_[third][i];
+      turn += bulges[third] * turns_[third][i];
     }
     poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
   }
@@ -140,12 +150,12 @@ void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
 
 std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
                                   const Poses& to) {
-  const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
-                                         interpolate(from, to, 2.0 / 3)};
+  const ThirdsCorrection correction(
+      {interpolate(from, to, 1.0 / 3), interpolate(from, to, 2.0 / 3)}, thirds);
   std::vector<Poses> moments;
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
-    moveByThirds(moments.emplace_back(interpolate(from, to, share)), share, straight, thirds);
+    correction.addTo(moments.emplace_back(interpolate(from, to, share)), share);
   }
   return moments;
 }

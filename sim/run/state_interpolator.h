@@ -19,10 +19,19 @@ inline constexpr int kMomentsBetween = 10;
 /// Radians. Up to here, states of momentsBetween() open joints by less than 1e-7 of a tile.
 inline constexpr double kMostTurnBetween = 0.05;
 
-/// Adds a joint-closing correction to an interpolated state. The correction is a cubic in `share`:
-/// zero at both ends and equal to the known corrections (`open` to `closed`) at 1/3 and 2/3.
-void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
-                  const std::array<Poses, 2>& closed);
+/// A joint-closing correction of interpolated states. It is a cubic in the share: zero at both ends
+/// and equal to the known corrections at 1/3 and 2/3.
+class ThirdsCorrection {
+ public:
+  /// The interpolated states at 1/3 and 2/3, and the same with closed joints.
+  ThirdsCorrection(const std::array<Poses, 2>& open, const std::array<Poses, 2>& closed);
+
+  /// Corrects the interpolated state at a share in [0, 1].
+  void addTo(Poses& poses, double share) const;
+
+ private:
+  std::array<std::vector<Vector3>, 2> moves_, turns_;  // metres and radians, one per brick
+};
 
 /// kMomentsBetween equidistant states between two states, by the cubic through both of them and the
 /// states at one third and two thirds.

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "sim/base/interruption.h"
@@ -90,6 +91,16 @@ double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& moti
 //
 // Pairs are found by sweep and prune: bricks are sorted by the low sides of their boxes along the
 // axis of their largest spread. A brick can only meet those that begin before it ends.
+//
+// Successive states of one motion are measured together. Between the first and the last of them, a
+// point moves almost along the chord: a point at distance r from the brick's origin is at
+//     x + R(q) p,    q = (1 - s) q0 + s q1 + e,
+// with x0, q0, x1, q1 the first and the last pose. R(q) p is quadratic in q, so the point differs
+// from its chord by at most
+//     d = |x - (1 - s) x0 - s x1| + r (s (1 - s) |q1 - q0|^2 + 2 |e| + |e|^2).
+// On the chords, high_A(n) - low_B(n) along a fixed axis n is convex in s. Its value in any of the
+// states is therefore at most the larger one of both ends, plus the d of A and B. A pair with such
+// a bound that is not above the known depth is not measured in these states.
 
 namespace {
 
@@ -264,24 +275,22 @@ class SeparatingAxes {
 
   std::size_t count() const { return count_; }
 
+  /// The axis with this index, a unit vector. Absent if the index has no axis.
+  std::optional<Vector3> axis(std::size_t number) const {
+    if (!hasNormals_ && (number == 0 || number == facesA_)) return std::nullopt;
+    if (number < facesA_) return face(a_, number);
+    if (number < facesA_ + facesB_) return face(b_, number - facesA_);
+    const std::size_t product = number - facesA_ - facesB_;
+    const Vector3& ofA = a_.directions[product / facesB_];
+    const Vector3& ofB = b_.directions[product % facesB_];
+    if (isParallel(ofA, ofB)) return std::nullopt;
+    return ofA.cross(ofB).normalized();
+  }
+
   /// The overlap along an axis. Infinite if the index has no axis.
   double overlap(std::size_t number) const {
-    Vector3 axis;
-    if (!hasNormals_ && (number == 0 || number == facesA_)) {
-      return std::numeric_limits<double>::infinity();
-    }
-    if (number < facesA_) {
-      axis = face(a_, number);
-    } else if (number < facesA_ + facesB_) {
-      axis = face(b_, number - facesA_);
-    } else {
-      const std::size_t product = number - facesA_ - facesB_;
-      const Vector3& ofA = a_.directions[product / facesB_];
-      const Vector3& ofB = b_.directions[product % facesB_];
-      if (isParallel(ofA, ofB)) return std::numeric_limits<double>::infinity();
-      axis = ofA.cross(ofB).normalized();
-    }
-    return overlapAlong(a_, b_, axis);
+    const std::optional<Vector3> along = axis(number);
+    return along ? overlapAlong(a_, b_, *along) : std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -332,7 +341,15 @@ class PlacedPrisms {
       placed_[i].place(prisms[i], poses[prisms[i].brick]);
       first_[prisms[i].brick] = static_cast<int>(i);
     }
-    sort();
+  }
+
+  /// Places only the pieces of some bricks, after the first place().
+  void placeOnly(const std::vector<char>& bricks, const std::vector<Prism>& prisms,
+                 const Poses& poses) {
+    for (std::size_t i = 0; i < prisms.size(); ++i) {
+      const auto brick = static_cast<std::size_t>(prisms[i].brick);
+      if (bricks[brick]) placed_[i].place(prisms[i], poses[brick]);
+    }
   }
 
   /// `piece`: index of the piece.
@@ -350,7 +367,8 @@ class PlacedPrisms {
   /// most mostPairs() of them. The smaller index comes first, and the order is the same on all
   /// machines. Returns whether these were all.
   template <typename Least, typename Visit>
-  bool visitNearPairs(const Least& least, const Visit& visit) const {
+  bool visitNearPairs(const Least& least, const Visit& visit) {
+    sort();
     long left = mostPairs(order_.size());
     for (std::size_t i = 0; i < order_.size(); ++i) {
       checkInterruption();
@@ -367,6 +385,18 @@ class PlacedPrisms {
       }
     }
     return true;
+  }
+
+  /// Widens the boxes to those of the same pieces in another state, and further by a distance per
+  /// brick, metres.
+  void widen(const PlacedPrisms& other, const std::vector<double>& distances) {
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+      Eigen::AlignedBox3d& box = placed_[i].box;
+      box.extend(other.placed_[i].box);
+      const Vector3 wider =
+          Vector3::Constant(distances[static_cast<std::size_t>(placed_[i].brick)]);
+      box = {box.min() - wider, box.max() + wider};
+    }
   }
 
  private:
@@ -439,6 +469,91 @@ double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
     }
   }
   return deepest;
+}
+
+// Bounds of depths between states leave this margin for rounding and for directions that count as
+// parallel, as a fraction of a brick's radius and of its coordinates.
+constexpr double kBoundMargin = 1e-8;
+constexpr double kCoordinateMargin = 1e-14;
+// The bounds of fewer states cost more than they save.
+constexpr std::size_t kLeastStates = 4;
+// A larger change of a quaternion between the states has no bound. It is a rotation by 0.2 rad.
+constexpr double kMostChange = 0.1;
+// Bricks whose normals have a larger sine cannot become parallel by two such rotations.
+constexpr double kNearlyParallel = 0.4;
+// Along an axis within 30 degrees of their layer (a sine of 0.5), bricks in one layer overlap by no
+// less than within it, up to the depth of their thickness.
+constexpr double kNearlyInLayer = 0.5;
+
+/// The largest distance of a brick's points from their chords, over some states. Includes the
+/// margins. `radius`: of the brick, metres. Infinite if there is no bound.
+double chordDistance(int brick, double radius, std::span<const Poses* const> states) {
+  const Pose& from = (*states.front())[brick];
+  const Pose& to = (*states.back())[brick];
+  const auto near = [&](const Quaternion& rotation) -> Eigen::Vector4d {
+    const double sign = rotation.coeffs().dot(from.rotation.coeffs()) < 0 ? -1 : 1;
+    return sign * rotation.coeffs();
+  };
+  const Eigen::Vector4d first = from.rotation.coeffs(), change = near(to.rotation) - first;
+  const double squared = change.squaredNorm();
+  double farthest = 0, mostChange = std::sqrt(squared);
+  for (std::size_t k = 1; k + 1 < states.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(states.size() - 1);
+    const Pose& pose = (*states[k])[brick];
+    const double moved =
+        (pose.position - from.position - share * (to.position - from.position)).norm();
+    const double turned = (near(pose.rotation) - first - share * change).norm();
+    const double distance =
+        moved + radius * (share * (1 - share) * squared + 2 * turned + turned * turned);
+    farthest = largerOf(farthest, distance);
+    mostChange = largerOf(mostChange, std::sqrt(squared) + turned);
+  }
+  if (!(mostChange <= kMostChange)) return std::numeric_limits<double>::infinity();
+  return farthest + kBoundMargin * radius +
+         kCoordinateMargin *
+             std::max(from.position.cwiseAbs().maxCoeff(), to.position.cwiseAbs().maxCoeff());
+}
+
+/// A piece in the first and the last of some states, and a bound of its distance from the chords
+/// between them.
+struct MovedPrism {
+  const PlacedPrism& from;
+  const PlacedPrism& to;
+  double distance;  ///< see chordDistance()
+};
+
+/// Whether a fixed axis proves that two pieces overlap by at most `known` (>= 0) in all states.
+bool isBounded(const MovedPrism& a, const MovedPrism& b, double known) {
+  if (known == std::numeric_limits<double>::infinity()) return true;
+  const double allowed = known - a.distance - b.distance;
+  const bool mayShareLayer = isParallel(a.to.normal(), b.to.normal(), kNearlyParallel);
+  if (mayShareLayer && known > a.to.rise.norm()) return false;
+  const SeparatingAxes axes(a.to, b.to);
+  for (std::size_t number = 0; number < axes.count(); ++number) {
+    const std::optional<Vector3> axis = axes.axis(number);
+    if (!axis) continue;
+    if (mayShareLayer && !(std::abs(axis->dot(a.to.normal())) <= kNearlyInLayer)) continue;
+    const Projection toA = project(a.to, *axis), toB = project(b.to, *axis);
+    const bool isAbove = toB.high - toA.low <= allowed, isBelow = toA.high - toB.low <= allowed;
+    if (!isAbove && !isBelow) continue;
+    const Projection fromA = project(a.from, *axis), fromB = project(b.from, *axis);
+    if (isAbove && fromB.high - fromA.low <= allowed) return true;
+    if (isBelow && fromA.high - fromB.low <= allowed) return true;
+  }
+  return false;
+}
+
+/// The same for all pieces of two bricks.
+bool areBounded(std::span<const PlacedPrism> fromA, std::span<const PlacedPrism> toA,
+                double distanceA, std::span<const PlacedPrism> fromB,
+                std::span<const PlacedPrism> toB, double distanceB, double known) {
+  for (std::size_t i = 0; i < toA.size(); ++i) {
+    for (std::size_t j = 0; j < toB.size(); ++j) {
+      if (!isBounded({fromA[i], toA[i], distanceA}, {fromB[j], toB[j], distanceB}, known))
+        return false;
+    }
+  }
+  return true;
 }
 
 /// Overlaps in a state, the deepest first, and whether all near pairs were checked.
@@ -516,6 +631,7 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Bric
 
 struct PenetrationMeter::Internals {
   std::vector<Prism> prisms;
+  std::vector<double> radii;                      // of the bricks, metres
   std::vector<JoinedPair> joined;                 // by brick index; empty if they do not count
   std::vector<std::vector<int>> partners;         // for each brick: joined, with a larger index
   std::map<std::pair<int, int>, double> atStart;  // metres, of unjoined pairs
@@ -523,6 +639,13 @@ struct PenetrationMeter::Internals {
   PlacedPrisms placed;
   std::vector<PlacedPrism> cutA;
   std::vector<PlacedPrism> cutB;
+  // Of several states of one motion:
+  PlacedPrisms first, last;                     // its ends
+  std::vector<double> distances;                // see chordDistance(), per brick
+  std::vector<JoinedPair*> leftJoined;          // pairs without a bound
+  std::vector<std::pair<int, int>> leftPieces;  // pieces of unjoined bricks without a bound
+  std::vector<char> isLeft;                     // whether a brick is in one of these pairs
+  std::vector<PlacedPrism> firstA, firstB;      // cut pieces in the first state
 
   bool isJoined(int a, int b) const {
     const std::vector<int>& others = partners[static_cast<std::size_t>(a)];
@@ -553,23 +676,96 @@ struct PenetrationMeter::Internals {
     depths.grown = std::max(depths.grown, depth - pair.atStart);
   }
 
+  // An unjoined pair can raise the figures only if it is deeper than this. The start overlap is
+  // subtracted, never added.
+  static double knownOfUnjoined(const PenetrationDepths& depths) {
+    return std::min({depths.whole, depths.outsidePivots, depths.grown});
+  }
+
+  // Raises the figures by two pieces of unjoined bricks.
+  void measurePieces(int pieceA, int pieceB, PenetrationDepths& depths) const {
+    const int a = placed[pieceA].brick, b = placed[pieceB].brick;
+    const double depth = pairDepth(placed[pieceA], placed[pieceB], knownOfUnjoined(depths));
+    depths.whole = std::max(depths.whole, depth);
+    depths.outsidePivots = std::max(depths.outsidePivots, depth);
+    // For pairs that were not checked at the start, the start overlap is unknown.
+    if (!seesAllPairs && !atStart.contains({a, b})) return;
+    if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
+  }
+
   // Raises the figures by all other pairs whose boxes overlap.
-  void measureUnjoined(PenetrationDepths& depths) const {
-    const auto known = [&] {
-      // The start overlap is subtracted, never added.
-      const double least = std::min(depths.whole, depths.outsidePivots);
-      return std::min(least, depths.grown);
-    };
-    placed.visitNearPairs(known, [&](int pieceA, int pieceB) {
-      const int a = placed[pieceA].brick, b = placed[pieceB].brick;
-      if (isJoined(a, b)) return;
-      const double depth = pairDepth(placed[pieceA], placed[pieceB], known());
-      depths.whole = std::max(depths.whole, depth);
-      depths.outsidePivots = std::max(depths.outsidePivots, depth);
-      // For pairs that were not checked at the start, the start overlap is unknown.
-      if (!seesAllPairs && !atStart.contains({a, b})) return;
-      if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
-    });
+  void measureUnjoined(PenetrationDepths& depths) {
+    placed.visitNearPairs([&] { return knownOfUnjoined(depths); },
+                          [&](int a, int b) {
+                            if (!isJoined(placed[a].brick, placed[b].brick))
+                              measurePieces(a, b, depths);
+                          });
+  }
+
+  // Whether a joined pair cannot raise the figures in any state of a motion.
+  bool isJoinedBounded(const JoinedPair& pair, const PenetrationDepths& known, const Poses& from,
+                       const Poses& to) {
+    const double distanceA = distances[pair.a], distanceB = distances[pair.b];
+    if (!areBounded(first.of(pair.a), last.of(pair.a), distanceA, first.of(pair.b), last.of(pair.b),
+                    distanceB, known.whole)) {
+      return false;
+    }
+    const double least = std::min(known.outsidePivots, known.grown + pair.atStart);
+    placeAll(pair.cutA, from[pair.a], firstA);
+    placeAll(pair.cutB, from[pair.b], firstB);
+    placeAll(pair.cutA, to[pair.a], cutA);
+    placeAll(pair.cutB, to[pair.b], cutB);
+    return areBounded(firstA, cutA, distanceA, firstB, cutB, distanceB, least);
+  }
+
+  // Lists the pairs that may raise the figures in a state of a motion. Returns false if there are
+  // too many near pairs, or if a brick has no bound.
+  bool listLeft(const PenetrationDepths& known, std::span<const Poses* const> states) {
+    const Poses &from = *states.front(), &to = *states.back();
+    first.place(prisms, from);
+    last.place(prisms, to);
+    distances.clear();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      distances.push_back(chordDistance(static_cast<int>(i), radii[i], states));
+      // A brick without a bound would be near all others.
+      if (!std::isfinite(distances.back())) return false;
+    }
+    leftJoined.clear();
+    leftPieces.clear();
+    isLeft.assign(from.size(), 0);
+    for (JoinedPair& pair : joined) {
+      checkInterruption();
+      if (isJoinedBounded(pair, known, from, to)) continue;
+      leftJoined.push_back(&pair);
+      isLeft[pair.a] = isLeft[pair.b] = 1;
+    }
+    const double least = knownOfUnjoined(known);
+    placed = last;
+    placed.widen(first, distances);
+    return placed.visitNearPairs(
+        [] { return 0.0; },
+        [&](int pieceA, int pieceB) {
+          const int a = placed[pieceA].brick, b = placed[pieceB].brick;
+          if (isJoined(a, b)) return;
+          if (isBounded({first[pieceA], last[pieceA], distances[a]},
+                        {first[pieceB], last[pieceB], distances[b]}, least)) {
+            return;
+          }
+          leftPieces.emplace_back(pieceA, pieceB);
+          isLeft[a] = isLeft[b] = 1;
+        });
+  }
+
+  // Raises the figures by the listed pairs.
+  void measureLeft(const Poses& poses, PenetrationDepths& depths) {
+    placed.placeOnly(isLeft, prisms, poses);
+    for (JoinedPair* pair : leftJoined) measureJoined(*pair, poses, depths);
+    for (const auto& [a, b] : leftPieces) {
+      if (mayOverlapBy(knownOfUnjoined(depths), {&placed[a], 1}, {&placed[b], 1}, placed[a].box,
+                       placed[b].box)) {
+        measurePieces(a, b, depths);
+      }
+    }
   }
 };
 
@@ -580,6 +776,13 @@ PenetrationMeter::PenetrationMeter(const std::vector<model::Brick>& bricks,
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.prisms = prismsOf(bricks);
+  for (const model::Brick& brick : bricks) {
+    double squared = 0;
+    for (const auto* points : {&brick.bottom, &brick.top}) {
+      for (const Vector3& point : *points) squared = std::max(squared, point.squaredNorm());
+    }
+    in.radii.push_back(std::sqrt(squared));
+  }
   in.joined = joinedPairs(bricks, pivots, zone);
   in.partners.resize(bricks.size());
   for (const JoinedPair& pair : in.joined)
@@ -609,6 +812,29 @@ PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, cons
   }
   in.measureUnjoined(depths);
   return depths;
+}
+
+double PenetrationMeter::grownAt(const Poses& poses, double known) {
+  constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
+  return atLeast({kAnyDepth, kAnyDepth, known}, poses).grown;
+}
+
+std::vector<PenetrationDepths> PenetrationMeter::atLeastEach(const PenetrationDepths& known,
+                                                             std::span<const Poses* const> states) {
+  Internals& in = *internals_;
+  std::vector<PenetrationDepths> found;
+  PenetrationDepths depths = known;
+  const bool areListed = states.size() >= kLeastStates && in.listLeft(known, states);
+  for (const Poses* poses : states) {
+    if (areListed) {
+      checkInterruption();
+      in.measureLeft(*poses, depths);
+    } else {
+      depths = atLeast(depths, *poses);
+    }
+    found.push_back(depths);
+  }
+  return found;
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -90,8 +90,15 @@ class PenetrationMeter {
 
   /// The depths in a state, metres.
   PenetrationDepths at(const Poses& poses) { return atLeast({}, poses); }
+  /// PenetrationDepths::grown of a state, or the given value (>= 0) if that is larger, metres.
+  double grownAt(const Poses& poses, double known = 0);
   /// The maximum of the given depths and those in a state, metres.
   PenetrationDepths atLeast(const PenetrationDepths& known, const Poses& poses);
+  /// For each of some states: the maximum of the given depths and those of all states up to it. The
+  /// same bits as atLeast() of each state in turn. If the states belong to one short motion, most
+  /// pairs are measured only in the first and the last of them.
+  std::vector<PenetrationDepths> atLeastEach(const PenetrationDepths& known,
+                                             std::span<const Poses* const> states);
 
   /// Whether all near pairs of the start could be checked, see mostPairs().
   bool seesAllPairs() const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -182,8 +183,10 @@ TEST(Smoothing, StraightensAKink) {
   run::GeometricPath found;
   found.path =
       path::connect(squares.scene, {squares.start, folded(0.1, 0.5), folded(0.6, 0.6)}, budget);
-  const run::MechanismPath smooth =
+  const std::optional<run::MechanismPath> improved =
       path::smoothed(squares.scene, found, scene::ContactFilter::None, budget);
+  ASSERT_TRUE(improved);
+  const run::MechanismPath& smooth = *improved;
   ASSERT_GT(smooth.states.size(), found.path.states.size() / 2);
   // The ends stay.
   EXPECT_EQ(smooth.states.front()[2].position, found.path.states.front()[2].position);

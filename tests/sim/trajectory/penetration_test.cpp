@@ -346,6 +346,95 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   }
 }
 
+/// States of one motion between two states. Bricks leave their chords by `bulge`, metres and
+/// radians.
+std::vector<Poses> motionOf(const Poses& from, const Poses& to, const std::vector<Vector3>& bulge) {
+  std::vector<Poses> states;
+  for (int k = 0; k <= 10; ++k) {
+    const double share = k / 10.0, part = 4 * share * (1 - share);
+    Poses& poses = states.emplace_back(interpolate(from, to, share));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      poses[i].position += part * bulge[i];
+      poses[i].rotation = (rotationFromVector(part * bulge[i]) * poses[i].rotation).normalized();
+    }
+  }
+  return states;
+}
+
+// Second method: the states one by one. Motions are long and short, straight and curved, in the
+// plane (where bricks are in one layer) and in space, from flush and from open sheets.
+TEST(PenetrationMeter, MeasuresAMotionLikeItsStates) {
+  const model::Model model = model::makeTessellation({.columns = 4, .rows = 3});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = 0.2});
+  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
+  const Poses start = model::startPoses(model.tiles, bricks);
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> normal(0, 1);
+  for (const bool isPlanar : {true, false}) {
+    const auto moved = [&](Poses poses, double length) {
+      for (Pose& pose : poses) {
+        const Vector3 turn(isPlanar ? 0 : normal(generator), isPlanar ? 0 : normal(generator),
+                           normal(generator));
+        pose.position += length * Vector3(normal(generator), normal(generator),
+                                          isPlanar ? 0 : normal(generator));
+        pose.rotation = (rotationFromVector(length * turn) * pose.rotation).normalized();
+      }
+      return poses;
+    };
+    for (const double open : {0.0, 0.3, 3.0}) {
+      Poses from = start;
+      for (Pose& pose : from) pose.position *= 1 + open;
+      for (const double length : {1e-6, 1e-3, 0.03, 0.3}) {
+        for (const double curved : {0.0, 0.01, 1.0}) {
+          trajectory::PenetrationMeter single(bricks, pivots, 0.05, start, 0);
+          trajectory::PenetrationMeter together(bricks, pivots, 0.05, start, 0);
+          std::vector<Vector3> bulge;
+          for (const Pose& pose : moved(Poses(bricks.size()), curved * length)) {
+            bulge.push_back(isPlanar ? Vector3(0, 0, pose.position.x()) : pose.position);
+          }
+          const std::vector<Poses> states = motionOf(from, moved(from, length), bulge);
+          std::vector<const Poses*> measured;
+          for (const Poses& state : states) measured.push_back(&state);
+          for (const trajectory::PenetrationDepths known :
+               {trajectory::PenetrationDepths{}, {kAny, kAny, 0}, {1e-3, 1e-3, kAny}}) {
+            trajectory::PenetrationDepths depths = known;
+            const auto found = together.atLeastEach(known, measured);
+            ASSERT_EQ(found.size(), states.size());
+            for (std::size_t k = 0; k < states.size(); ++k) {
+              depths = single.atLeast(depths, states[k]);
+              EXPECT_EQ(found[k].whole, depths.whole) << open << length << curved << k;
+              EXPECT_EQ(found[k].outsidePivots, depths.outsidePivots) << open << length << curved;
+              EXPECT_EQ(found[k].grown, depths.grown) << open << length << curved << k;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// A rod swings past the edge of a plate: it overlaps in the middle of the motion only.
+TEST(PenetrationMeter, SeesAnOverlapBetweenTheEndsOfAMotion) {
+  const std::vector<model::Brick> bricks = {box(1, 1, 0.1), box(2, 0.1, 0.1)};
+  const Poses start = {{{0, 0, 0}, Quaternion::Identity()}, {{0, 9, 0}, Quaternion::Identity()}};
+  trajectory::PenetrationMeter meter(bricks, {}, 0.05, start, 0);
+  std::vector<Poses> states;
+  for (int k = -5; k <= 5; ++k) {
+    Poses& poses = states.emplace_back(start);
+    poses[1].rotation = Quaternion(Eigen::AngleAxisd(0.02 * k, Vector3::UnitZ()));
+    // The end of the rod moves on a circle that reaches 1e-6 into the plate.
+    poses[1].position = Vector3(0.5 - 1e-6, 0, 0) + poses[1].rotation * Vector3(1, 0, 0);
+    poses[1].position.x() += 0.06 * std::abs(std::sin(0.02 * k));
+  }
+  std::vector<const Poses*> measured;
+  for (const Poses& state : states) measured.push_back(&state);
+  const auto found = meter.atLeastEach({}, measured);
+  EXPECT_EQ(found[4].grown, 0);
+  EXPECT_NEAR(found[5].grown, 1e-6, 1e-12);
+  EXPECT_EQ(found.back().grown, found[5].grown);
+}
+
 TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
   const std::vector<model::Brick> bricks(many.size(), box(1, 1, 0.1));
