@@ -158,7 +158,7 @@ TEST(Patterns, ThatAreBrokenAreRefused) {
             "/a.svg: error: the line that ends at (0, 0) px is not connected; give a cut pattern "
             "from `kirireel export`");
   EXPECT_EQ(refusalOf("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
-            "/a.dxf: error: a LINE lacks an end (group 11); save the drawing again");
+            "/a.dxf:2: error: a LINE lacks an end (group 11); save the drawing again");
 }
 
 TEST(Patterns, TellOfHolesInTiles) {
