@@ -152,8 +152,8 @@ struct Model {
   FileOrder fileOrder;                      ///< numbering and order in the file
   double rounding = 0;      ///< last decimal place of rounded coordinates, metres; 0: not rounded
   std::vector<Repair> repairs;  ///< repairs by the reader
-  /// Unit of the lengths in the file: the user's unit, the file's declared unit, or metres. All
-  /// lengths above are in metres. Files for other programs use this unit.
+  /// Unit of lengths in options and in files for other programs: the user's unit, the file's
+  /// declared unit, or metres. All lengths above are in metres.
   LengthUnit unit;
   std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if any
 };

@@ -167,7 +167,7 @@ TEST(FoldFile, RefusesBoundariesInsideASheetWithoutFaces) {
             "cuts the letter C, or add faces_vertices");
 }
 
-/// Lengths are in the file's unit, and converting keeps it.
+// Lengths are in the file's unit, and converting keeps it.
 TEST(FoldUnits, AreThoseOfTheFile) {
   const TemporaryFolder folder;
   folder.write("sheet.fold", R"({"file_spec": 1.2, "frame_unit": "in",
@@ -182,8 +182,58 @@ TEST(FoldUnits, AreThoseOfTheFile) {
   const std::string text = readTextFile(again, "");
   EXPECT_NE(text.find("\"frame_unit\":\"in\""), std::string::npos);
   EXPECT_NE(text.find("2.5"), std::string::npos);
-  const model::Model given = model::readModel(file, {}, warnings, {.unit = *findLengthUnit("mm")});
-  EXPECT_DOUBLE_EQ(given.tiles[0].vertices[1].x(), 2.5e-3);
+}
+
+// One square of 2 inches in every format that can declare a unit, and in none. A declared unit
+// counts, and `unit` is only that of options and written files.
+TEST(DeclaredUnits, CountInEveryFormat) {
+  const std::string text = "0 0 0 2 0 0 2 2 0 0 2 0\n";
+  const std::string obj = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n";
+  const std::string ply =
+      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n4 0 1 2 3\n";
+  const std::string fold =
+      "\"vertices_coords\": [[0,0],[2,0],[2,2],[0,2]], \"faces_vertices\": [[0,1,2,3]]}";
+  const std::string rect = "viewBox='0 0 4 4'><rect x='1' y='1' width='2' height='2'/></svg>";
+  const std::string dxf =
+      "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n70\n1\n10\n0\n20\n0\n10\n2"
+      "\n20\n0\n10\n2\n20\n2\n10\n0\n20\n2\n0\nENDSEC\n0\nEOF\n";
+  struct Case {
+    const char* name;
+    std::string declared, undeclared;
+    double otherwise;  ///< metres per unit without any unit
+  };
+  for (const Case& one :
+       {Case{"a/vertices.txt", "# unit in\n" + text, text, 1},
+        Case{"a_vertices.txt", "# unit in\n0 0 2 0 2 2 0 2\n", "0 0 2 0 2 2 0 2\n", 1},
+        Case{"a.obj", "# unit in\n" + obj, obj, 1},
+        Case{"a.ply", "ply\nformat ascii 1.0\ncomment unit in\n" + ply,
+             "ply\nformat ascii 1.0\n" + ply, 1},
+        Case{"a.fold", "{\"frame_unit\": \"in\", " + fold, "{" + fold, 1},
+        Case{"a.svg", "<svg width='4in' height='4in' " + rect, "<svg " + rect, 0.0254 / 96},
+        Case{"a.dxf", "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n1\n0\nENDSEC\n" + dxf, dxf,
+             1e-3}}) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "a");
+    folder.write("a/constraints.txt", "# no joints\n");
+    folder.write("a_constraints.txt", "# no joints\n");
+    const auto read = [&](const std::string& content, std::optional<LengthUnit> unit) {
+      folder.write(one.name, content);
+      const fs::path file = folder / one.name;
+      std::vector<std::string> warnings;
+      return model::readModel(file.filename() == "vertices.txt" ? file.parent_path() : file, {},
+                              warnings, {.unit = unit});
+    };
+    const auto mm = findLengthUnit("mm");
+    const auto edge = [](const model::Model& model) { return model::tileSize(model); };
+    // Measured: 1.1e-16 relative.
+    EXPECT_NEAR(edge(read(one.declared, {})), 2 * 0.0254, 1e-15) << one.name;
+    EXPECT_EQ(read(one.declared, {}).unit.name, "in") << one.name;
+    EXPECT_NEAR(edge(read(one.declared, mm)), 2 * 0.0254, 1e-15) << one.name;
+    EXPECT_EQ(read(one.declared, mm).unit.name, "mm") << one.name;
+    EXPECT_NEAR(edge(read(one.undeclared, mm)), 2e-3, 1e-15) << one.name;
+    EXPECT_NEAR(edge(read(one.undeclared, {})), 2 * one.otherwise, 1e-15) << one.name;
+  }
 }
 
 TEST(FoldFile, TakesBothNamesOfAngles) {
