@@ -152,7 +152,10 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
   if (!target) return model;
   model.target = startOf(*target, model, settings.joinCoplanar);
   model.waypoints.clear();
-  if (model.drawing) model.drawing->givesTarget = false;
+  if (model.drawing) {
+    model.drawing->givesTarget = false;
+    for (Crease& crease : model.drawing->creases) crease.targetAngles.clear();
+  }
   return model;
 }
 
