@@ -324,8 +324,8 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
       });
   group.choice<std::optional<LengthUnit>>(
       "--unit", settings.unit, unitChoices(),
-      "unit of the model's lengths and of all lengths in options and scene files; auto: as the "
-      "file declares, else m");
+      "unit of all lengths in options, scene files and exported files, and of the model's lengths "
+      "unless its file declares a unit; auto: as the file declares, else m");
   group
       .value("--frame", "N", "all that are states of one sheet",
              "frame of a FOLD file to read as the model, 0 for the file's own keys",

@@ -25,15 +25,24 @@ namespace fs = std::filesystem;
 constexpr double kFullCircle = 2 * std::numbers::pi;
 constexpr int kDeepestBlock = 20;
 
+struct DxfGroup {
+  int code = 0;
+  std::string_view value;
+  int line = 0;  ///< of the value
+};
+
 struct DxfEntity {
   std::string type;
-  std::vector<std::pair<int, std::string_view>> groups;
+  int line = 0;  ///< of its type
+  std::vector<DxfGroup> groups;
 
+  const DxfGroup* group(int code) const {
+    const auto found = std::ranges::find(groups, code, &DxfGroup::code);
+    return found == groups.end() ? nullptr : &*found;
+  }
   std::optional<std::string_view> text(int code) const {
-    for (const auto& [key, value] : groups) {
-      if (key == code) return value;
-    }
-    return std::nullopt;
+    const DxfGroup* found = group(code);
+    return found ? std::optional(found->value) : std::nullopt;
   }
 };
 
@@ -123,14 +132,14 @@ class DxfReader {
           finish();
         else
           hasSections = *value == "SECTION";
-        current = {std::string(*value), {}};
+        current = {std::string(*value), line, {}};
         continue;
       }
       if (number == 9)
         variable = *value;
       else if (section.empty() && current.type == "SECTION" && current.text(2) == "HEADER")
-        header_.try_emplace(variable, *value);
-      current.groups.emplace_back(number, *value);
+        header_.try_emplace(variable, DxfGroup{number, *value, line});
+      current.groups.push_back({number, *value, line});
     }
     if (hasSections) finish();
   }
@@ -148,18 +157,24 @@ class DxfReader {
     return !name.empty() && name != "continuous" && name != "bylayer" && name != "byblock";
   }
 
+  double value(const DxfGroup& group) const {
+    return drawnNumber(group.value, {file_, group.line});
+  }
+  /// The same, and its decimals count.
+  double coordinate(const DxfGroup& group) {
+    return drawnNumber(group.value, {file_, group.line}, &decimals_);
+  }
   double number(const DxfEntity& entity, int code, std::optional<double> otherwise = {}) {
-    const auto text = entity.text(code);
-    if (text) return drawnNumber(*text, {file_}, &decimals_);
+    if (const DxfGroup* group = entity.group(code)) return coordinate(*group);
     if (otherwise) return *otherwise;
     const bool isEnd = entity.type == "LINE";
-    throw inputErrorAt({file_},
+    throw inputErrorAt({file_, entity.line},
                        fmt::format("a {} lacks {} (group {}); save the drawing again",
                                    oneLine(entity.type), isEnd ? "an end" : "a number", code));
   }
   int whole(const DxfEntity& entity, int code, int otherwise) {
-    const auto text = entity.text(code);
-    return text ? static_cast<int>(std::clamp(drawnNumber(*text, {file_}), -1e9, 1e9)) : otherwise;
+    const DxfGroup* group = entity.group(code);
+    return group ? static_cast<int>(std::clamp(value(*group), -1e9, 1e9)) : otherwise;
   }
   Vector2 point(const DxfEntity& entity, int code) {
     const double x = number(entity, code);
@@ -182,7 +197,7 @@ class DxfReader {
                                                     {"US survey mile", 5280 * 1200.0 / 3937, 24}};
     int unit = 0;
     if (const auto given = header_.find("$INSUNITS"); given != header_.end()) {
-      unit = static_cast<int>(std::clamp(drawnNumber(given->second, {file_}), 0.0, 99.0));
+      unit = static_cast<int>(std::clamp(value(given->second), 0.0, 99.0));
     }
     drawing_.unit = 1e-3;
     drawing_.unitName = "units";
@@ -270,7 +285,7 @@ class DxfReader {
     const auto block = blocks_.find(name);
     if (block == blocks_.end() || depth >= kDeepestBlock) {
       throw inputErrorAt(
-          {file_},
+          {file_, entity.line},
           fmt::format("an INSERT names the block '{}', which does not exist or contains itself",
                       shown(name, 24)));
     }
@@ -293,7 +308,9 @@ class DxfReader {
       inner.layer = path.layer;
       inner.colour = path.colour;
       inner.depth = depth + 1;
-      if (++inserts_ > 200'000) throw inputErrorAt({file_}, "too many blocks within blocks");
+      if (++inserts_ > 200'000) {
+        throw inputErrorAt({file_, entity.line}, "too many blocks within blocks");
+      }
       addEntities(block->second, inner);
     }
   }
@@ -333,14 +350,14 @@ class DxfReader {
   void addPolyline(const DxfEntity& entity, DrawnPath& path) {
     std::vector<Vector2> vertices;
     std::vector<double> bulges;
-    for (const auto& [code, value] : entity.groups) {
-      if (code == 10) {
-        vertices.emplace_back(drawnNumber(value, {file_}, &decimals_), 0);
+    for (const DxfGroup& group : entity.groups) {
+      if (group.code == 10) {
+        vertices.emplace_back(coordinate(group), 0);
         bulges.push_back(0);
-      } else if (code == 20 && !vertices.empty()) {
-        vertices.back().y() = drawnNumber(value, {file_}, &decimals_);
-      } else if (code == 42 && !bulges.empty()) {
-        bulges.back() = drawnNumber(value, {file_});
+      } else if (group.code == 20 && !vertices.empty()) {
+        vertices.back().y() = coordinate(group);
+      } else if (group.code == 42 && !bulges.empty()) {
+        bulges.back() = value(group);
       }
     }
     path.isClosed = (whole(entity, 70, 0) & 1) != 0;
@@ -357,8 +374,8 @@ class DxfReader {
     for (std::size_t k = first; k < last; ++k) {
       if ((whole(all[k], 70, 0) & 16) != 0) continue;  // of a spline's frame
       vertices.push_back(point(all[k], 10));
-      const auto bulge = all[k].text(42);
-      bulges.push_back(bulge ? drawnNumber(*bulge, {file_}) : 0);
+      const DxfGroup* bulge = all[k].group(42);
+      bulges.push_back(bulge ? value(*bulge) : 0);
     }
     path.isClosed = (flags & 1) != 0;
     addVertices(vertices, bulges, path);
@@ -424,14 +441,13 @@ class DxfReader {
     std::vector<double> knots, weights;
     std::vector<Eigen::Vector3d> control;
     std::vector<Vector2> fit;
-    for (const auto& [code, value] : entity.groups) {
-      if (code == 40) knots.push_back(drawnNumber(value, {file_}));
-      if (code == 41) weights.push_back(drawnNumber(value, {file_}));
-      if (code == 10) control.emplace_back(drawnNumber(value, {file_}, &decimals_), 0, 1);
-      if (code == 20 && !control.empty())
-        control.back().y() = drawnNumber(value, {file_}, &decimals_);
-      if (code == 11) fit.emplace_back(drawnNumber(value, {file_}, &decimals_), 0);
-      if (code == 21 && !fit.empty()) fit.back().y() = drawnNumber(value, {file_}, &decimals_);
+    for (const DxfGroup& group : entity.groups) {
+      if (group.code == 40) knots.push_back(value(group));
+      if (group.code == 41) weights.push_back(value(group));
+      if (group.code == 10) control.emplace_back(coordinate(group), 0, 1);
+      if (group.code == 20 && !control.empty()) control.back().y() = coordinate(group);
+      if (group.code == 11) fit.emplace_back(coordinate(group), 0);
+      if (group.code == 21 && !fit.empty()) fit.back().y() = coordinate(group);
     }
     path.isClosed = (whole(entity, 70, 0) & 1) != 0;
     const int degree = whole(entity, 71, 3);
@@ -444,9 +460,10 @@ class DxfReader {
     if (degree < 1 || degree > 20 || count <= degree ||
         knots.size() != control.size() + static_cast<std::size_t>(degree) + 1 ||
         !std::ranges::is_sorted(knots)) {
-      throw inputErrorAt({file_}, fmt::format("a SPLINE of degree {} has {} knots and {} control "
-                                              "points; save its curve as a polyline",
-                                              degree, knots.size(), count));
+      throw inputErrorAt({file_, entity.line},
+                         fmt::format("a SPLINE of degree {} has {} knots and {} control "
+                                     "points; save its curve as a polyline",
+                                     degree, knots.size(), count));
     }
     for (int k = 0; k < count; ++k) {
       if (weights.size() == control.size()) control[k] *= weights[k];
@@ -486,7 +503,7 @@ class DxfReader {
   std::map<std::string, DxfLayer> layers_;
   std::map<std::string, std::vector<DxfEntity>> blocks_;
   std::vector<DxfEntity> entities_;
-  std::map<std::string, std::string_view, std::less<>> header_;
+  std::map<std::string, DxfGroup, std::less<>> header_;
   double scale_ = 1;
   DecimalCounts decimals_;
   int inserts_ = 0;

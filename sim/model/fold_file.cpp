@@ -3,8 +3,9 @@
 // Reading has five steps.
 // 1. Frames: the file's own keys are frame 0, file_frames are the others. A frame has its own keys
 //    and, if it inherits, those of its parent. The model is the first frame with coordinates and
-//    faces or edges. Later frames with the same faces or edges and coordinates of their own are
-//    states of the same sheet: targets, one after the other. Others are models of their own.
+//    faces or edges. Later frames with the same faces or edges and with coordinates or fold angles
+//    of their own are states of the same sheet: targets, one after the other. Others are models of
+//    their own.
 // 2. Faces: faces_vertices, else faces_edges, else the faces of the planar drawing (faces.h). Slits
 //    and repeated vertices are removed, and faces that J edges join become one tile.
 // 3. Joints: the key kirireel:joints, if it exists ([tile, vertex, tile, vertex, face, kind]
@@ -12,15 +13,17 @@
 //    key kirireel:necks has their necks ([joint, width, length, kerf] for each, in frame_unit).
 // 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. M and
 //    V edges of a flat sheet without an angle fold by 180 degrees, or by the requested fraction.
-//    The sheet may lie in any plane; its upper side is where its faces run anticlockwise. A flat
-//    foldedForm is folded already, and its angles describe it.
+//    Frames with only angles are the same sheet, folded. The sheet may lie in any plane; its upper
+//    side is where its faces run anticlockwise. A flat foldedForm is folded already, and its angles
+//    of 0 and 180 degrees describe it. With other angles it is a crease pattern.
 // 5. Springs at folds rest at these angles.
 //
 // A model keeps the vertices, edges and faces of its file (FoldSheet), and writing gives them
-// again. Without them, writing merges corners into one vertex only if they are bitwise equal in all
-// states. Reading then gives the same doubles. kirireel:joints preserves joints of corners that
-// differ by rounding. nlohmann's ordered_json keeps the order of keys, so the same model gives the
-// same bytes.
+// again. Corners of one vertex that separate in a written state, such as the sides of an opening
+// cut, get further vertices and edges at the end of the lists. Without a FoldSheet, writing merges
+// corners into one vertex only if they are bitwise equal in all states. Reading then gives the same
+// doubles. kirireel:joints preserves joints of corners that differ by rounding. nlohmann's
+// ordered_json keeps the order of keys, so the same model gives the same bytes.
 //
 // The library throws if types do not fit. Every access below is checked first, so messages can name
 // faces and edges.
@@ -52,10 +55,18 @@ namespace kirireel::model {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr const char* kPlaces = "vertices_coords";
+constexpr const char* kAngles = "edges_foldAngle";
+constexpr const char* kOldAngles = "edges_foldAngles";  // in FOLD 1.0
 constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kNecks = "kirireel:necks";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
-constexpr const char* kTarget = "kirireel:target";
+constexpr const char* kTargets = "kirireel:targets";
+
+using FoldAngles = std::vector<std::optional<double>>;  // of all edges, degrees
+
+// An edge with a smaller angle is flat, degrees.
+constexpr double kFlatEdge = 1e-6;
 
 // FOLD has values nested five deep. Keys of other programs may have more.
 constexpr int kMostNested = 64;
@@ -127,11 +138,23 @@ class FoldReader {
   /// The unit in frame_unit; absent if there is none or it is not a unit of length.
   std::optional<LengthUnit> unit() const { return unitOf(frame_); }
 
-  /// The coordinates of the start, followed by those of all states of the same sheet.
+  /// The frames of the start and of all later states of the same sheet.
+  const std::vector<int>& stateFrames() const { return states_; }
+
+  /// Whether a state has coordinates of its own. Otherwise it has only fold angles.
+  bool hasOwnPlaces(int frame) const {
+    const Json *theirs = find(frame, kPlaces), *start = find(kPlaces);
+    return frame == frame_ || (theirs != start && *theirs != *start) ||
+           anglesKey(frame) == anglesKey(frame_);
+  }
+
+  /// The coordinates of the start, followed by those of all states of the same sheet that have
+  /// coordinates.
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
     for (const int frame : states_) {
-      std::vector<Vector3>& state = states.emplace_back(points(*find(frame, "vertices_coords")));
+      if (!hasOwnPlaces(frame)) continue;
+      std::vector<Vector3>& state = states.emplace_back(points(*find(frame, kPlaces)));
       // Frames may have their own units.
       if (unit() && unitOf(frame) && *unit() != *unitOf(frame)) {
         for (Vector3& point : state) point *= unitOf(frame)->metres / unit()->metres;
@@ -141,7 +164,8 @@ class FoldReader {
   }
 
   /// The checked edges: their ends are vertices, and there are as many letters and angles as edges.
-  FoldSheet drawing(const std::vector<Vector3>& points) const {
+  /// `frame`: a state of the sheet, whose fold angles they have.
+  FoldSheet drawing(const std::vector<Vector3>& points, int frame) const {
     FoldSheet drawing;
     drawing.vertices = points;
     const Json edges = edgeList();
@@ -159,11 +183,34 @@ class FoldReader {
     // Without a list of edges, letters and angles have no meaning.
     if (find("edges_vertices") != nullptr) {
       addLetters(drawing);
-      addAngles(drawing);
+      const auto angles = foldAngles(frame, drawing.creases.size());
+      drawing.hasAngles = !angles.empty();
+      for (std::size_t k = 0; k < angles.size(); ++k) drawing.creases[k].foldAngle = angles[k];
     }
     addFaces(drawing);
     drawing.isFolded = isFoldedForm();
     return drawing;
+  }
+
+  /// The fold angles of a frame with this many edges, degrees; empty if it has none.
+  FoldAngles foldAngles(int frame, std::size_t count) const {
+    const Json* list = anglesKey(frame);
+    if (list == nullptr) return {};
+    if (!list->is_array() || list->size() != count) {
+      throw fault(fmt::format("{} is not a list of {} angles, one per edge. Correct or delete it",
+                              find(frame, kAngles) ? kAngles : kOldAngles, count));
+    }
+    FoldAngles angles;
+    for (const Json& angle : *list) {
+      // FOLD writes null for edges whose angle is unknown, boundaries among them.
+      if (!angle.is_null() && !(angle.is_number() && std::abs(angle.get<double>()) <= 180)) {
+        throw fault(fmt::format(
+            "edge {} has a fold angle that is neither null nor in [-180, 180] degrees. Correct it",
+            angles.size()));
+      }
+      angles.push_back(angle.is_null() ? std::nullopt : std::optional(angle.get<double>()));
+    }
+    return angles;
   }
 
   /// Requires that every vertex of the faces has coordinates.
@@ -206,9 +253,9 @@ class FoldReader {
     }
   }
 
-  /// The target of a deployment's file, whose frames are samples of a run. Null in other files,
+  /// The targets of a deployment's file, whose frames are samples of a run. Null in other files,
   /// empty if the run has no target.
-  const Json* ownTarget() const { return find(kTarget); }
+  const Json* ownTargets() const { return find(kTargets); }
 
   /// Kirireel's own list of pulled tiles for this tile count; absent if all are pulled.
   std::optional<std::vector<int>> pulledTiles(std::size_t tileCount) const {
@@ -226,9 +273,14 @@ class FoldReader {
   /// Appends one line about frames and one about keys that are not read.
   void warnOfIgnored(const ReadSettings& settings, std::vector<std::string>& warnings) const {
     const int count = static_cast<int>(frames_.size());
-    const int others = count - static_cast<int>(states_.size());
+    // A frame may have only keys that states inherit.
+    std::set<int> read;
+    for (int frame : states_) {
+      for (; frame >= 0; frame = parents_[static_cast<std::size_t>(frame)]) read.insert(frame);
+    }
+    const int others = count - static_cast<int>(read.size());
     const bool isChain = states_.size() > 2;
-    const bool isOwn = ownTarget() != nullptr;
+    const bool isOwn = ownTargets() != nullptr;
     if (!settings.frame && !isOwn && (others > 0 || isChain)) {
       std::string targets = isChain
                                 ? fmt::format(", frames {} are targets one after the other",
@@ -238,8 +290,10 @@ class FoldReader {
       warnings.push_back(fmt::format(
           "{}: warning: of frames 0-{}, frame {} is the start{}{}; `frame = N` reads frame N only",
           file_.string(), count - 1, frame_, targets,
-          others > 0 ? fmt::format(", and {} {} not read", others, others == 1 ? "is" : "are")
-                     : ""));
+          others > 0
+              ? fmt::format(", and {} not read",
+                            others == 1 ? "1 other is" : fmt::format("{} others are", others))
+              : ""));
     }
     // FOLD's "unit" is no unit of length.
     const Json* name = find("frame_unit");
@@ -361,7 +415,7 @@ class FoldReader {
     for (const char* key : kStructure) {
       if (own(frame, key) != nullptr) return false;
     }
-    const Json *coordinates = own(frame, "vertices_coords"), *all = own(whole_, "vertices_coords");
+    const Json *coordinates = own(frame, kPlaces), *all = own(whole_, kPlaces);
     return coordinates != nullptr && all != nullptr && coordinates->size() == all->size();
   }
 
@@ -376,7 +430,7 @@ class FoldReader {
   }
 
   bool hasCoordinates(int frame) const {
-    const Json* coordinates = find(frame, "vertices_coords");
+    const Json* coordinates = find(frame, kPlaces);
     return coordinates != nullptr && coordinates->is_array() && !coordinates->empty();
   }
 
@@ -406,16 +460,18 @@ class FoldReader {
           "faces_vertices and edges_vertices are missing. Add the faces or the edges of the sheet");
     }
     states_ = {frame_};
-    if (settings.frame || ownTarget() != nullptr) return;
+    if (settings.frame || ownTargets() != nullptr) return;
     for (int frame = frame_ + 1; frame < count; ++frame) {
       if (isStateOfSheet(frame)) states_.push_back(frame);
     }
   }
 
+  /// A frame with coordinates or fold angles of its own, and the faces and edges of the start.
   bool isStateOfSheet(int frame) const {
-    const Json *own = find(frame, "vertices_coords"), *start = find("vertices_coords");
-    if (!hasCoordinates(frame) || own == start || own->size() != start->size()) return false;
-    if (!hasStructure(frame)) return false;
+    const Json *own = find(frame, kPlaces), *start = find(kPlaces);
+    if (!hasCoordinates(frame) || own->size() != start->size() || !hasStructure(frame))
+      return false;
+    if (own == start && anglesKey(frame) == anglesKey(frame_)) return false;
     return std::ranges::all_of(kStructure, [&](const char* key) {
       const Json *theirs = find(frame, key), *ours = find(key);
       return theirs == nullptr || theirs == ours || (ours != nullptr && *theirs == *ours);
@@ -458,29 +514,10 @@ class FoldReader {
     }
   }
 
-  void addAngles(FoldSheet& drawing) const {
-    const Json* angles = find("edges_foldAngle");
-    // The key in FOLD 1.0.
-    const char* name = angles != nullptr ? "edges_foldAngle" : "edges_foldAngles";
-    if (angles == nullptr) angles = find(name);
-    if (angles == nullptr) return;
-    const std::size_t count = drawing.creases.size();
-    if (!angles->is_array() || angles->size() != count) {
-      throw fault(fmt::format("{} is not a list of {} angles, one per edge. Correct or delete it",
-                              name, count));
-    }
-    drawing.hasAngles = true;
-    for (std::size_t k = 0; k < count; ++k) {
-      const Json& angle = (*angles)[k];
-      // FOLD writes null for edges whose angle is unknown, boundaries among them.
-      if (angle.is_null()) continue;
-      if (!angle.is_number() || !(std::abs(angle.get<double>()) <= 180)) {
-        throw fault(fmt::format(
-            "edge {} has a fold angle that is neither null nor in [-180, 180] degrees. Correct it",
-            k));
-      }
-      drawing.creases[k].foldAngle = angle.get<double>();
-    }
+  /// edges_foldAngle of a frame, or the key of FOLD 1.0; null if it has neither.
+  const Json* anglesKey(int frame) const {
+    const Json* angles = find(frame, kAngles);
+    return angles != nullptr ? angles : find(frame, kOldAngles);
   }
 
   /// The letter of an assignment as a capital; 0 if it is invalid.
@@ -488,7 +525,7 @@ class FoldReader {
     if (!value.is_string() || value.get_ref<const std::string&>().size() != 1) return 0;
     const char letter =
         static_cast<char>(std::toupper(static_cast<unsigned char>(value.get<std::string>()[0])));
-    return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
+    return isFoldLetter(letter) ? letter : '\0';
   }
 
   void addFaces(FoldSheet& drawing) const {
@@ -683,9 +720,15 @@ bool isWithoutAngle(const Crease& crease) {
   return (crease.assignment == 'M' || crease.assignment == 'V') && !crease.foldAngle;
 }
 
+/// Whether the sheet turns about an edge. Cuts and boundaries have one face on each side.
+bool folds(const Crease& crease) {
+  const bool isHinge = crease.assignment != 'C' && crease.assignment != 'B';
+  return isHinge && std::abs(crease.foldAngle.value_or(0)) > kFlatEdge;
+}
+
 /// Gives M and V edges of a flat sheet without an angle the angle of their letter, with a warning.
-/// Angles set by an option become those of the drawing. Returns whether such edges exist.
-bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector<Crease>& creases,
+/// Angles set by an option become those of the drawing.
+void foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector<Crease>& creases,
                    const fs::path& file, std::vector<std::string>& warnings) {
   const double angle = 180 * settings.fold.value_or(1);
   int count = 0, flat = 0;
@@ -717,7 +760,6 @@ bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector
     drawing.creases = creases;
     drawing.hasAngles = true;
   }
-  return count > 0;
 }
 
 /// Gives M and V edges without an angle the angle in the target. At 180 degrees only the letter
@@ -737,45 +779,34 @@ void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<Tile>& tar
   }
 }
 
-/// Sets the target of a flat sheet whose creases have angles: the folded sheet.
-void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
-               const Vector3& normal, Model& model, const fs::path& file,
-               std::vector<std::string>& warnings) {
-  // Largest gap of joints in a valid target, the same fraction of a tile as kTooFar in
-  // model_checks.cpp. A larger gap means that angles around a loop are inconsistent.
-  constexpr double kOpenFold = 0.05;  // of a tile
-  std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles, normal);
-  if (!folded) return;
-  double worst = 0;
-  for (const Joint& joint : model.joints) {
+/// The largest distance of joined corners, as lengths in the file.
+double widestJoint(const std::vector<Joint>& joints, const std::vector<Tile>& tiles) {
+  double widest = 0;
+  for (const Joint& joint : joints) {
     if (joint.kind != JointKind::Pivot) continue;
-    const Vector3& a = (*folded)[joint.a.tile].vertices[joint.a.vertex];
-    const Vector3& b = (*folded)[joint.b.tile].vertices[joint.b.vertex];
-    worst = std::max(worst, (a - b).norm());
+    const Vector3& a = tiles[joint.a.tile].vertices[joint.a.vertex];
+    const Vector3& b = tiles[joint.b.tile].vertices[joint.b.vertex];
+    widest = std::max(widest, (a - b).norm());
   }
-  if (worst > kOpenFold * tileSize(model)) {
-    warnings.push_back(fmt::format(
-        "{}: warning: with its fold angles, joints would open by {:.2g} (the file's unit). So "
-        "the model has no target, and springs at folds rest at these angles",
-        file.string(), worst));
-    return;
-  }
-  model.target = std::move(folded);
+  return widest;
 }
 
-// Coordinates by vertex number, each from the first corner with that number.
-Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    for (std::size_t k = 0; k < numbers[i].size(); ++k) {
-      // Numbers rise in the order of first corners. A corner with the next number is therefore the
-      // first one of its vertex.
-      if (numbers[i][k] != std::ssize(list)) continue;
-      const Vector3& vertex = tiles[i].vertices[k];
-      list.push_back({vertex.x(), vertex.y(), vertex.z()});
-    }
-  }
-  return list;
+/// The flat sheet folded along its creases; the sheet itself if no crease has an angle. Absent,
+/// with a warning that ends with `result`, if angles around a loop are inconsistent.
+std::optional<std::vector<Tile>> foldAlong(const std::vector<Crease>& creases, const Model& model,
+                                           const Vector3& normal, const std::string& place,
+                                           const char* result, std::vector<std::string>& warnings) {
+  // Largest gap of joints in a valid target, the same fraction of a tile as kTooFar in
+  // model_checks.cpp.
+  constexpr double kOpenFold = 0.05;  // of a tile
+  std::vector<Tile> folded =
+      foldedTiles(model.drawing->outlines, creases, model.tiles, normal).value_or(model.tiles);
+  const double widest = widestJoint(model.joints, folded);
+  if (widest <= kOpenFold * tileSize(model)) return folded;
+  warnings.push_back(fmt::format(
+      "{}: warning: with its fold angles, joints would open by {:.2g} (the file's unit). {}", place,
+      widest, result));
+  return std::nullopt;
 }
 
 /// The axes of a tile: its first corner and first edge, longer than a millionth of the tile.
@@ -820,69 +851,217 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const FoldSheet& drawing) {
   return list;
 }
 
+Json anglesJson(const FoldAngles& angles) {
+  Json list = Json::array();
+  for (const std::optional<double>& angle : angles) list.push_back(angle ? Json(*angle) : Json());
+  return list;
+}
+
 // Three lists of equal length: ends, letters, angles in degrees.
 void addCreases(const std::vector<Crease>& creases, bool letters, bool angles, Json& json) {
-  Json edges = Json::array(), assignment = Json::array(), degrees = Json::array();
+  Json edges = Json::array(), assignment = Json::array();
+  FoldAngles degrees;
   for (const Crease& crease : creases) {
     edges.push_back({crease.from, crease.to});
     assignment.push_back(std::string(1, crease.assignment));
-    degrees.push_back(crease.foldAngle ? Json(*crease.foldAngle) : Json());
+    degrees.push_back(crease.foldAngle);
   }
   json["edges_vertices"] = std::move(edges);
   if (letters) json["edges_assignment"] = std::move(assignment);
-  if (angles) json["edges_foldAngle"] = std::move(degrees);
+  if (angles) json[kAngles] = anglesJson(degrees);
 }
 
-/// The file's own vertices and faces if they still match the tiles. Otherwise corners that are
-/// bitwise equal are merged.
-class FoldMesh {
+/// A sheet with one vertex for all corners that have a common number. It has no edges.
+FoldSheet sheetOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
+  FoldSheet sheet;
+  sheet.faces = sheet.outlines = numbers;
+  sheet.tileOf = numbersBelow(numbers.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t k = 0; k < numbers[i].size(); ++k) {
+      // Numbers rise in the order of first corners.
+      if (numbers[i][k] == std::ssize(sheet.vertices)) {
+        sheet.vertices.push_back(tiles[i].vertices[k]);
+      }
+    }
+  }
+  return sheet;
+}
+
+using States = std::vector<const std::vector<Tile>*>;
+
+/// Decides which corners of one vertex stay together in all written states.
+class Bonds {
  public:
-  /// `model` is in the order of its file. `moves`: samples of a run are written. The bottom corners
-  /// of joints on the top faces then separate.
-  FoldMesh(const Model& model, bool moves) {
-    const auto isTop = [](const Joint& joint) { return joint.face == JointFace::Top; };
-    const auto isAlike = [](const std::vector<int>& outline, const Tile& tile) {
-      return outline.size() == tile.vertices.size();
-    };
-    const bool parts = moves && std::ranges::any_of(model.joints, isTop);
-    if (model.drawing && !parts &&
-        std::ranges::equal(model.drawing->outlines, model.tiles, isAlike)) {
-      drawing_ = &*model.drawing;
-    } else {
-      numbers_ = sharedNumbers(model, !moves);
+  /// Joints keep corners together, but in a moving sheet not those on the top faces.
+  Bonds(const Model& model, States states, bool moves)
+      : states_(std::move(states)), tolerance_(kSamePlace * modelSize(model)) {
+    for (const Joint& joint : model.joints) {
+      if (joint.kind == JointKind::Fixed) fixed_.insert(std::minmax(joint.a.tile, joint.b.tile));
+      if (joint.kind != JointKind::Pivot || (moves && joint.face == JointFace::Top)) continue;
+      joined_.insert({keyOf(joint.a), keyOf(joint.b)});
+      joined_.insert({keyOf(joint.b), keyOf(joint.a)});
     }
   }
 
-  Json coordinates(const std::vector<Tile>& tiles) const {
-    return drawing_ ? coordinatesOf(tiles, *drawing_) : coordinatesOf(tiles, numbers_);
-  }
-
-  void addTo(const Model& inOrder, const std::optional<Vector3>& normal, Json& json) const {
-    json["faces_vertices"] = drawing_ ? drawing_->faces : numbers_;
-    if (drawing_ && (drawing_->hasAngles || drawing_->givesTarget)) {
-      return addCreases(drawing_->creases, drawing_->hasLetters, drawing_->hasAngles, json);
+  /// The group of each corner of one vertex: the index of the first corner in it.
+  std::vector<int> groupsOf(const std::vector<Corner>& corners) const {
+    DisjointSets groups(corners.size());
+    std::vector<int> first;
+    for (int b = 0; b < std::ssize(corners); ++b) {
+      for (int a = 0; a < b; ++a) {
+        if (areOne(corners[a], corners[b])) groups.unite(a, b);
+      }
     }
-    const std::vector<Crease> found =
-        creasesOf(drawing_ ? drawing_->outlines : numbers_, inOrder, normal);
-    if (!drawing_ || drawing_->creases.empty()) return addCreases(found, true, true, json);
-    // Angles in the target of edges in the file.
-    std::map<std::pair<int, int>, std::optional<double>> angles;
-    for (const Crease& crease : found) angles[{crease.from, crease.to}] = crease.foldAngle;
-    std::vector<Crease> creases = drawing_->creases;
-    for (Crease& crease : creases) {
-      const auto own = angles.find(std::minmax(crease.from, crease.to));
-      if (own != angles.end()) crease.foldAngle = own->second;
-    }
-    addCreases(creases, drawing_->hasLetters, normal && inOrder.target, json);
+    for (int k = 0; k < std::ssize(corners); ++k) first.push_back(groups.lowestOf(k));
+    return first;
   }
-
-  /// Whether the file's letters define the target.
-  bool givesTarget() const { return drawing_ && drawing_->givesTarget; }
 
  private:
-  const FoldSheet* drawing_ = nullptr;
-  CornerNumbers numbers_;
+  static std::pair<int, int> keyOf(const Corner& corner) { return {corner.tile, corner.vertex}; }
+
+  bool areOne(const Corner& a, const Corner& b) const {
+    if (fixed_.contains(std::minmax(a.tile, b.tile))) return true;
+    if (joined_.contains({keyOf(a), keyOf(b)})) return true;
+    return std::ranges::all_of(states_, [&](const std::vector<Tile>* state) {
+      const Vector3& from = (*state)[a.tile].vertices[a.vertex];
+      return (from - (*state)[b.tile].vertices[b.vertex]).norm() <= tolerance_;
+    });
+  }
+
+  States states_;
+  double tolerance_;                     // of one place, as lengths in the file
+  std::set<std::pair<int, int>> fixed_;  // tiles
+  std::set<std::pair<std::pair<int, int>, std::pair<int, int>>> joined_;  // corners
 };
+
+/// Gives corners that separate from the first one of their vertex new vertices at the end of the
+/// list. Returns these by tile and old vertex.
+std::map<std::pair<int, int>, int> splitVertices(const Bonds& bonds, FoldSheet& sheet) {
+  std::map<int, std::vector<Corner>> atVertex;
+  for (int tile = 0; tile < std::ssize(sheet.outlines); ++tile) {
+    for (int k = 0; k < std::ssize(sheet.outlines[tile]); ++k) {
+      atVertex[sheet.outlines[tile][k]].push_back({tile, k});
+    }
+  }
+  std::map<std::pair<int, int>, int> split;
+  for (const auto& [vertex, corners] : atVertex) {
+    const std::vector<int> groups = bonds.groupsOf(corners);
+    std::map<int, int> numbers = {{0, vertex}};
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+      const auto [number, isNew] =
+          numbers.emplace(groups[k], static_cast<int>(sheet.vertices.size()));
+      if (isNew) sheet.vertices.push_back(Vector3(sheet.vertices[vertex]));
+      if (number->second == vertex) continue;
+      split[{corners[k].tile, vertex}] = number->second;
+      sheet.outlines[corners[k].tile][corners[k].vertex] = number->second;
+    }
+  }
+  return split;
+}
+
+/// Gives faces and edges the new vertices. An edge whose two sides have separated becomes two: the
+/// second one, at the end of the list, is a cut or a boundary.
+void splitEdges(const std::map<std::pair<int, int>, int>& split, FoldSheet& sheet) {
+  std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> sides;  // by old ends
+  for (std::size_t face = 0; face < sheet.faces.size(); ++face) {
+    const std::vector<int> old = sheet.faces[face];
+    std::vector<int>& corners = sheet.faces[face];
+    for (int& vertex : corners) {
+      const auto found = split.find({sheet.tileOf[face], vertex});
+      if (found != split.end()) vertex = found->second;
+    }
+    for (std::size_t k = 0; k < old.size(); ++k) {
+      const std::size_t next = (k + 1) % old.size();
+      const bool isForward = old[k] < old[next];
+      const std::pair<int, int> own{corners[isForward ? k : next], corners[isForward ? next : k]};
+      std::vector<std::pair<int, int>>& all = sides[std::minmax(old[k], old[next])];
+      if (std::ranges::find(all, own) == all.end()) all.push_back(own);
+    }
+  }
+  for (std::size_t k = 0, count = sheet.creases.size(); k < count; ++k) {
+    const Crease old = sheet.creases[k];
+    const auto found = sides.find(std::minmax(old.from, old.to));
+    if (found == sides.end()) continue;
+    const std::vector<std::pair<int, int>>& all = found->second;
+    const std::pair<int, int> oldEnds = std::minmax(old.from, old.to);
+    const auto unchanged = std::ranges::find(all, oldEnds);
+    const auto first = unchanged == all.end() ? all.begin() : unchanged;
+    for (auto side = all.begin(); side != all.end(); ++side) {
+      if (side != first) sheet.creases.push_back({0, 0, old.assignment == 'C' ? 'C' : 'B', {}});
+      Crease& crease = side == first ? sheet.creases[k] : sheet.creases.back();
+      crease.from = old.from < old.to ? side->first : side->second;
+      crease.to = old.from < old.to ? side->second : side->first;
+    }
+  }
+}
+
+/// The targets of a model, in turn.
+States targetsOf(const Model& model) {
+  States targets;
+  for (const std::vector<Tile>& state : model.waypoints) targets.push_back(&state);
+  if (model.target) targets.push_back(&*model.target);
+  return targets;
+}
+
+/// The fold angles in a target that the file gives by angles; absent for edges of other targets.
+FoldAngles targetAngles(const FoldSheet& sheet, std::size_t target) {
+  FoldAngles angles;
+  for (const Crease& crease : sheet.creases) {
+    const bool isKnown = target < crease.targetAngles.size();
+    angles.push_back(isKnown ? crease.targetAngles[target] : std::nullopt);
+  }
+  return angles;
+}
+
+/// Whether fold angles or letters give a target. Otherwise coordinates do.
+bool isFoldedTarget(const FoldSheet& sheet, std::size_t target) {
+  if (target == 0 && sheet.givesTarget) return true;
+  return std::ranges::any_of(targetAngles(sheet, target),
+                             [](const std::optional<double>& angle) { return angle.has_value(); });
+}
+
+/// The vertices, edges and faces to write for a model in the order of its file: its own if they
+/// match its tiles, otherwise those of its joints. `samples`: states of a run, if any.
+FoldSheet sheetToWrite(const Model& model, const std::vector<FoldState>& samples) {
+  const auto isAlike = [](const std::vector<int>& outline, const Tile& tile) {
+    return outline.size() == tile.vertices.size();
+  };
+  const bool moves = !samples.empty();
+  const bool isKept =
+      model.drawing && std::ranges::equal(model.drawing->outlines, model.tiles, isAlike);
+  if (!isKept) return sheetOf(model.tiles, sharedNumbers(model, !moves));
+  FoldSheet sheet = *model.drawing;
+  States states = {&model.tiles};
+  const States targets = targetsOf(model);
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    if (moves || !isFoldedTarget(sheet, k)) states.push_back(targets[k]);
+  }
+  for (std::size_t k = 1; k < samples.size(); ++k) states.push_back(&samples[k].tiles);
+  const auto split = splitVertices(Bonds(model, states, moves), sheet);
+  if (!split.empty()) splitEdges(split, sheet);
+  return sheet;
+}
+
+/// Adds the edges of a sheet. A sheet without angles, also in its other states, gets those of the
+/// model, see creasesOf().
+void addEdges(const FoldSheet& sheet, const Model& inOrder, const std::optional<Vector3>& normal,
+              Json& json) {
+  const auto isInFrames = [](const Crease& crease) { return !crease.targetAngles.empty(); };
+  if (sheet.hasAngles || sheet.givesTarget || std::ranges::any_of(sheet.creases, isInFrames)) {
+    return addCreases(sheet.creases, sheet.hasLetters, sheet.hasAngles, json);
+  }
+  const std::vector<Crease> found = creasesOf(sheet.outlines, inOrder, normal);
+  if (sheet.creases.empty()) return addCreases(found, true, true, json);
+  // Angles in the target of edges in the file.
+  std::map<std::pair<int, int>, std::optional<double>> angles;
+  for (const Crease& crease : found) angles[{crease.from, crease.to}] = crease.foldAngle;
+  std::vector<Crease> creases = sheet.creases;
+  for (Crease& crease : creases) {
+    const auto own = angles.find(std::minmax(crease.from, crease.to));
+    if (own != angles.end()) crease.foldAngle = own->second;
+  }
+  addCreases(creases, sheet.hasLetters, normal && inOrder.target, json);
+}
 
 Json jointRows(const std::vector<Joint>& joints) {
   Json rows = Json::array();
@@ -905,38 +1084,81 @@ Json neckRows(const std::vector<Joint>& joints) {
   return rows;
 }
 
-/// A frame that differs from the key frame only in its coordinates.
-Json stateFrame(const std::string& title, Json coordinates) {
+/// A frame that differs from the key frame only in one key: its coordinates or its fold angles.
+Json stateFrame(const std::string& title, const char* key, Json value) {
   Json frame;
   frame["frame_title"] = title;
-  frame["frame_classes"] = {"foldedForm"};
+  frame["frame_classes"] = {key == std::string_view(kPlaces) ? "foldedForm" : "creasePattern"};
   frame["frame_parent"] = 0;
   frame["frame_inherit"] = true;
-  frame["vertices_coords"] = std::move(coordinates);
+  frame[key] = std::move(value);
   return frame;
 }
 
-/// Reads the targets: those of a deployment's file, or else the states after the first.
-void addTargets(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
-                const TileTable& start, Model& model, std::vector<std::string>& warnings) {
-  std::vector<std::vector<Vector3>> targets(states.begin() + 1, states.end());
-  if (const Json* target = reader.ownTarget(); target != nullptr && !target->empty()) {
-    targets = {reader.points(*target)};
-    if (targets[0].size() != states[0].size()) {
+/// Appends a target given by coordinates.
+void addTarget(const std::vector<Vector3>& points, const TileTable& start, Model& model,
+               std::vector<std::string>& warnings) {
+  const TileTable target = tableOf(start.file, model.drawing->outlines, points);
+  checkTarget(target, model, start, warnings);
+  model.waypoints.push_back(target.tiles);
+}
+
+/// Appends the targets of a deployment's file.
+void addOwnTargets(const FoldReader& reader, const TileTable& start, Model& model,
+                   std::vector<std::string>& warnings) {
+  for (const Json& target : *reader.ownTargets()) {
+    const std::vector<Vector3> points = reader.points(target);
+    if (points.size() != model.drawing->vertices.size()) {
       throw reader.fault(
-          fmt::format("{} has {} vertices, vertices_coords has {}; correct or delete "
-                      "it",
-                      kTarget, targets[0].size(), states[0].size()));
+          fmt::format("{} has {} vertices, vertices_coords has {}; correct or delete it", kTargets,
+                      points.size(), model.drawing->vertices.size()));
+    }
+    addTarget(points, start, model, warnings);
+  }
+}
+
+/// Appends the states after the first. `states` have coordinates; `angles` are the creases of those
+/// without, in the order of their frames. The angles of the start then give the first target,
+/// unless they are 0.
+void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
+               const std::vector<std::vector<Crease>>& angles, const TileTable& start,
+               const std::optional<Vector3>& normal, Model& model,
+               std::vector<std::string>& warnings) {
+  FoldSheet& drawing = *model.drawing;
+  if (!angles.empty() && !normal) {
+    warnings.push_back(fmt::format(
+        "{}: warning: {} frames have only fold angles, which need a flat start; they are not read",
+        start.file.string(), angles.size()));
+  }
+  const auto fold = [&](const std::vector<Crease>& creases, int frame) {
+    if (!normal) return false;
+    std::optional<std::vector<Tile>> folded =
+        foldAlong(creases, model, *normal, fmt::format("{}: frame {}", start.file.string(), frame),
+                  "It is not read", warnings);
+    if (folded) model.waypoints.push_back(std::move(*folded));
+    return folded.has_value();
+  };
+  const std::vector<int>& frames = reader.stateFrames();
+  if (!angles.empty() && std::ranges::any_of(drawing.creases, folds)) {
+    drawing.givesTarget = fold(drawing.creases, frames.front());
+  }
+  auto nextState = states.begin() + 1;
+  auto nextAngles = angles.begin();
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (reader.hasOwnPlaces(frames[k])) {
+      addTarget(*nextState++, start, model, warnings);
+    } else if (const std::vector<Crease>& creases = *nextAngles++; fold(creases, frames[k])) {
+      for (std::size_t edge = 0; edge < creases.size(); ++edge) {
+        drawing.creases[edge].targetAngles.resize(model.waypoints.size());
+        drawing.creases[edge].targetAngles.back() = creases[edge].foldAngle;
+      }
     }
   }
-  for (const std::vector<Vector3>& points : targets) {
-    const TileTable target = tableOf(start.file, model.drawing->outlines, points);
-    checkTarget(target, model, start, warnings);
-    model.waypoints.push_back(target.tiles);
-  }
-  if (model.waypoints.empty()) return;
-  model.target = std::move(model.waypoints.back());
-  model.waypoints.pop_back();
+}
+
+/// Whether an edge is neither flat nor folded by 180 degrees.
+bool isPartlyFolded(const Crease& crease) {
+  return folds(crease) && std::abs(*crease.foldAngle) < 180 - kFlatEdge;
 }
 
 /// The normal of a crease pattern; absent for a folded sheet.
@@ -945,17 +1167,67 @@ std::optional<Vector3> patternNormal(const Model& model) {
   return sheetNormal(model);
 }
 
+/// Takes a flat foldedForm whose angles are not those of a flat sheet as a crease pattern.
+void refuteFoldedForm(const fs::path& file, Model& model, std::vector<std::string>& warnings) {
+  FoldSheet& drawing = *model.drawing;
+  if (!drawing.isFolded || std::ranges::none_of(drawing.creases, isPartlyFolded)) return;
+  if (!sheetNormal(model)) return;
+  warnings.push_back(
+      fmt::format("{}: warning: the frame is a foldedForm, but flat and with fold "
+                  "angles; it is read as a creasePattern",
+                  file.string()));
+  drawing.isFolded = false;
+}
+
+/// Makes the last state the target, or folds a flat sheet in one state. Returns the creases with
+/// the rest angles of springs.
+std::vector<Crease> setTarget(const FoldReader& reader, const ReadSettings& settings,
+                              const std::optional<Vector3>& normal, const fs::path& file,
+                              Model& model, std::vector<std::string>& warnings) {
+  FoldSheet& drawing = *model.drawing;
+  std::vector<Crease> creases = drawing.creases;
+  const bool isOwn = reader.ownTargets() != nullptr;
+  if (model.waypoints.empty() && !isOwn && normal) {
+    foldByLetters(settings, drawing, creases, file, warnings);
+    if (std::ranges::any_of(creases, folds)) {
+      model.target = foldAlong(
+          creases, model, *normal, file.string(),
+          "So the model has no target, and springs at folds rest at these angles", warnings);
+    }
+    drawing.givesTarget = model.target.has_value();
+    return creases;
+  }
+  if (settings.fold) {
+    throw inputErrorAt({file},
+                       "`fold` folds a flat sheet by its letters, but the file has a target "
+                       "or a folded start; remove `fold`, or choose a flat frame by `frame`");
+  }
+  if (model.waypoints.empty()) return creases;
+  model.target = std::move(model.waypoints.back());
+  model.waypoints.pop_back();
+  if (normal && !isOwn) takeAnglesOfTarget(drawing.outlines, *model.target, creases);
+  return creases;
+}
+
 }  // namespace
 
 Model readFold(const fs::path& file, const ReadSettings& settings,
                std::vector<std::string>& warnings) {
   const FoldReader reader(file, settings);
   const std::vector<std::vector<Vector3>> states = reader.states();
+  const auto sheetIn = [&](int frame) {
+    FoldSheet sheet = reader.drawing(states.front(), frame);
+    if (reader.ownJoints() == nullptr) mergeRepeatedVertices(states, file, sheet);
+    return sheet;
+  };
   Model model;
   model.name = file.stem().string();
   model.declaredUnit = reader.unit();
-  FoldSheet& drawing = model.drawing.emplace(reader.drawing(states.front()));
-  if (reader.ownJoints() == nullptr) mergeRepeatedVertices(states, file, drawing);
+  FoldSheet& drawing = model.drawing.emplace(sheetIn(reader.stateFrames().front()));
+  std::vector<std::vector<Crease>> angles;
+  for (const int frame : reader.stateFrames()) {
+    if (!reader.hasOwnPlaces(frame)) angles.push_back(sheetIn(frame).creases);
+  }
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
   warnOfLooseEdges(drawing, file, warnings);
@@ -966,24 +1238,14 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
   model.joints = reader.ownJoints() != nullptr
                      ? readOwnJoints(reader, start, model, warnings)
                      : jointsOfCreases(outlines, drawing.creases, start.tiles);
-  addTargets(reader, states, start, model, warnings);
-  std::vector<Crease> creases = drawing.creases;
+  refuteFoldedForm(file, model, warnings);
   const std::optional<Vector3> normal = patternNormal(model);
-  const bool isOwn = reader.ownTarget() != nullptr;
-  const bool folds = !model.target && !isOwn && normal;
-  if (folds) {
-    drawing.givesTarget =
-        foldByLetters(settings, drawing, creases, file, warnings) && !drawing.hasAngles;
-  } else if (settings.fold) {
-    throw inputErrorAt({file},
-                       "`fold` folds a flat sheet by its letters, but the file has a target "
-                       "or a folded start; remove `fold`, or choose a flat frame by `frame`");
+  if (reader.ownTargets() != nullptr) {
+    addOwnTargets(reader, start, model, warnings);
+  } else {
+    addStates(reader, states, angles, start, normal, model, warnings);
   }
-  if (folds) {
-    foldAlong(creases, outlines, *normal, model, file, warnings);
-  } else if (normal && model.target && !isOwn) {
-    takeAnglesOfTarget(outlines, *model.target, creases);
-  }
+  const std::vector<Crease> creases = setTarget(reader, settings, normal, file, model, warnings);
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
   // Faces of a folded sheet may be turned over.
   if (!drawing.isFolded) turnClockwiseTiles(start, model, warnings);
@@ -993,32 +1255,36 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
 
 std::string foldText(const Model& inOrder, const std::vector<FoldState>& samples) {
   const Model model = inFileOrder(inOrder);
-  const FoldMesh mesh(model, !samples.empty());
-  Json json;
-  json["file_spec"] = 1.2;
-  json["file_creator"] = "Kirireel";
-  const bool hasFrames = (model.target && !mesh.givesTarget()) || !samples.empty();
-  json["file_classes"] = {hasFrames ? "animation" : "singleModel"};
-  json["frame_title"] = samples.empty() ? "start" : samples.front().title;
+  const FoldSheet sheet = sheetToWrite(model, samples);
   // Edges of a flat start, a crease pattern, have the angles of the target. Otherwise they have
   // those of the start.
   const std::optional<Vector3> normal = patternNormal(model);
+  Json frames = Json::array(), targets = Json::array();
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    frames.push_back(stateFrame(samples[k].title, kPlaces, coordinatesOf(samples[k].tiles, sheet)));
+  }
+  const States states = targetsOf(model);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const char* title = k < model.waypoints.size() ? "target before the last" : "target";
+    if (!samples.empty()) {
+      targets.push_back(coordinatesOf(*states[k], sheet));
+    } else if (!isFoldedTarget(sheet, k)) {
+      frames.push_back(stateFrame(title, kPlaces, coordinatesOf(*states[k], sheet)));
+    } else if (k > 0 || !sheet.givesTarget) {
+      frames.push_back(stateFrame(title, kAngles, anglesJson(targetAngles(sheet, k))));
+    }
+  }
+  Json json;
+  json["file_spec"] = 1.2;
+  json["file_creator"] = "Kirireel";
+  json["file_classes"] = {frames.empty() ? "singleModel" : "animation"};
+  json["frame_title"] = samples.empty() ? "start" : samples.front().title;
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
   json["frame_unit"] = model.unit.name;
-  json["vertices_coords"] = mesh.coordinates(model.tiles);
-  mesh.addTo(inOrder, normal, json);
-  Json frames = Json::array();
-  for (std::size_t k = 1; k < samples.size(); ++k) {
-    frames.push_back(stateFrame(samples[k].title, mesh.coordinates(samples[k].tiles)));
-  }
-  if (!samples.empty()) {
-    json[kTarget] = model.target ? mesh.coordinates(*model.target) : Json::array();
-  } else if (model.target && !mesh.givesTarget()) {
-    for (const std::vector<Tile>& state : model.waypoints) {
-      frames.push_back(stateFrame("target before the last", mesh.coordinates(state)));
-    }
-    frames.push_back(stateFrame("target", mesh.coordinates(*model.target)));
-  }
+  json[kPlaces] = coordinatesOf(model.tiles, sheet);
+  json["faces_vertices"] = sheet.faces;
+  addEdges(sheet, inOrder, normal, json);
+  if (!samples.empty()) json[kTargets] = std::move(targets);
   if (!frames.empty()) json["file_frames"] = std::move(frames);
   json[kJoints] = jointRows(model.joints);
   if (Json necks = neckRows(model.joints); !necks.empty()) json[kNecks] = std::move(necks);
@@ -1061,9 +1327,6 @@ void writeFold(const Model& model, const fs::path& file) {
 namespace {
 
 using Ends = std::pair<int, int>;  // vertex numbers, the smaller first
-
-// An edge with a smaller angle is flat, degrees.
-constexpr double kFlatEdge = 1e-6;
 
 /// A side of a face: from corner k to the next.
 struct FaceSide {
@@ -1205,16 +1468,12 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
                                              const std::vector<Tile>& tiles,
                                              const Vector3& normal) {
+  if (std::ranges::none_of(creases, folds)) return std::nullopt;
   std::map<Ends, double> angles;
-  bool folds = false;
   for (const Crease& crease : creases) {
-    // Cuts and boundaries have one face on each side, so nothing turns about them.
     if (crease.assignment == 'C' || crease.assignment == 'B') continue;
-    const double angle = crease.foldAngle.value_or(0);
-    angles[std::minmax(crease.from, crease.to)] = angle;
-    folds = folds || std::abs(angle) > kFlatEdge;
+    angles[std::minmax(crease.from, crease.to)] = crease.foldAngle.value_or(0);
   }
-  if (!folds) return std::nullopt;
   const auto sides = sidesByEnds(faces);
   std::vector<std::optional<Eigen::Isometry3d>> placed(faces.size());
   for (std::size_t root = 0; root < faces.size(); ++root) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -115,7 +116,15 @@ struct Crease {
   int to = 0;                       ///< vertex number
   char assignment = 'U';            ///< one of B M V F U C J
   std::optional<double> foldAngle;  ///< degrees, [-180, 180]; absent if the file has none
+  /// The same in each target that the file gives by angles. Absent in those that it gives by
+  /// coordinates, and in later ones.
+  std::vector<std::optional<double>> targetAngles;
 };
+
+/// Whether a character is one of the letters of edges: B M V F U C J.
+constexpr bool isFoldLetter(int letter) {
+  return std::string_view("BMVFUCJ").find(static_cast<char>(letter)) != std::string_view::npos;
+}
 
 /// The vertices, edges and faces of a FOLD file, with the file's numbers. Tiles are its faces
 /// without slits. Faces with a common J edge form one tile.
@@ -125,7 +134,7 @@ struct FoldSheet {
   bool hasLetters = false;                 ///< the file has edges_assignment
   bool hasAngles = false;                  ///< the file has edges_foldAngle
   bool isFolded = false;                   ///< its frame_classes contain foldedForm
-  bool givesTarget = false;                ///< only letters define the target, by folding the sheet
+  bool givesTarget = false;                ///< its angles or letters give the first target
   std::vector<std::vector<int>> faces;     ///< vertex numbers around each face
   std::vector<int> tileOf;                 ///< tile of each face
   std::vector<std::vector<int>> outlines;  ///< vertex numbers around each tile, in the file's order
@@ -152,8 +161,8 @@ struct Model {
   FileOrder fileOrder;                      ///< numbering and order in the file
   double rounding = 0;      ///< last decimal place of rounded coordinates, metres; 0: not rounded
   std::vector<Repair> repairs;  ///< repairs by the reader
-  /// Unit of the lengths in the file: the user's unit, the file's declared unit, or metres. All
-  /// lengths above are in metres. Files for other programs use this unit.
+  /// Unit of lengths in options and in files for other programs: the user's unit, the file's
+  /// declared unit, or metres. All lengths above are in metres.
   LengthUnit unit;
   std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if any
 };

@@ -163,9 +163,10 @@ struct ReadSettings {
   std::vector<std::string> ignore;  ///< the same of lines to ignore
   double neckWidth = 0;             ///< largest gap at the end of a cut, in `unit`; 0: automatic
   bool areJointsInNecks = false;    ///< joints in the middle of their necks, not at cut ends
-  /// Unit of the file's lengths; absent: the unit that the file declares, else `undeclaredUnit`.
+  /// Unit of lengths in options and in written files, and of the file's lengths unless the file
+  /// declares a unit. Absent: the unit that the file declares, else `undeclaredUnit`.
   std::optional<LengthUnit> unit;
-  LengthUnit undeclaredUnit;  ///< of files without a declared unit
+  LengthUnit undeclaredUnit;  ///< of lengths without a declared unit, if `unit` is absent
 };
 
 /// "file:line: repaired: what was found; what was done".

@@ -142,11 +142,12 @@ Model readCutPattern(const std::filesystem::path& file, const ReadSettings& sett
 // frames.
 
 /// Reads a sheet. The first frame with coordinates and with faces or edges is the start. Further
-/// states of the same sheet are waypoints and the target. Faces are tiles without their slits.
-/// Faces with a common J edge form one tile. Without a list of faces, they are found from the
-/// edges. Vertices that faces share are joints, so faces with a common edge are hinged, except at
-/// cuts. A flat sheet in one state has its folded state as target, and fold springs rest at these
-/// angles. Kirireel's own keys, written by writeFold, add details.
+/// states of the same sheet, by coordinates or by fold angles of a flat start, are waypoints and
+/// the target. Faces are tiles without their slits. Faces with a common J edge form one tile.
+/// Without a list of faces, they are found from the edges. Vertices that faces share are joints, so
+/// faces with a common edge are hinged, except at cuts. A flat sheet in one state has its folded
+/// state as target, and fold springs rest at these angles. Kirireel's own keys, written by
+/// writeFold, add details.
 ///
 /// Throws InputError for invalid JSON, wrong numbers, tiles that cannot be bricks, missing frames
 /// or folds, and two edges of the same two faces with different angles. Coordinates are in the

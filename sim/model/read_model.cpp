@@ -125,18 +125,12 @@ fs::path tileFileOf(const fs::path& path) {
 }
 
 /// Readers return coordinates in the file's unit and the declared unit. Converts them to metres.
-void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
-               std::vector<std::string>& warnings) {
+void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings) {
   if (isDrawing(path)) return;  // a drawing has its own scale, see readCutPattern()
   // FOLD has a key for its unit, and no comments.
   if (endingOf(path) != ".fold") model.declaredUnit = unitInComments(tileFileOf(path));
-  const std::optional<LengthUnit> declared = model.declaredUnit;
-  if (settings.unit && declared && *settings.unit != *declared) {
-    warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (`unit`)",
-                                   path.string(), declared->name, settings.unit->name));
-  }
-  model.unit = settings.unit ? *settings.unit : declared.value_or(settings.undeclaredUnit);
-  scaleLengths(model, model.unit.metres);
+  model.unit = settings.unit.value_or(model.declaredUnit.value_or(settings.undeclaredUnit));
+  scaleLengths(model, model.declaredUnit.value_or(model.unit).metres);
 }
 
 }  // namespace
@@ -150,7 +144,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                                        : readModelFolder(path, settings, warnings);
   if (!isDrawing(path)) model.rounding = roundingOf(model.tiles);
   model.areCoplanarJoined = settings.joinCoplanar;
-  applyUnit(model, path, settings, warnings);
+  applyUnit(model, path, settings);
   if (settings.strict) {
     refuseRepairs(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
@@ -158,7 +152,10 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
   if (!target) return model;
   model.target = startOf(*target, model, settings.joinCoplanar);
   model.waypoints.clear();
-  if (model.drawing) model.drawing->givesTarget = false;
+  if (model.drawing) {
+    model.drawing->givesTarget = false;
+    for (Crease& crease : model.drawing->creases) crease.targetAngles.clear();
+  }
   return model;
 }
 

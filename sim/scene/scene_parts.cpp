@@ -50,9 +50,10 @@ void addWaypoints(Scene& scene) {
 /// Letters without angles fold by 180 degrees only if no other setting gives the angle. Springs
 /// with their own rest angle fold the sheet in place of a target.
 void foldBySprings(Scene& scene) {
-  const bool givesTarget = scene.model.drawing && scene.model.drawing->givesTarget;
+  const std::optional<model::FoldSheet>& drawing = scene.model.drawing;
+  const bool isByLetters = drawing && drawing->givesTarget && !drawing->hasAngles;
   const bool areSprung = scene.hinges.stiffness > 0 && scene.hinges.rest;
-  if (!givesTarget || !areSprung || scene.actuation.drive != Drive::Auto) return;
+  if (!isByLetters || !areSprung || scene.actuation.drive != Drive::Auto) return;
   scene.model.target.reset();
   scene.actuation.drive = Drive::None;
 }

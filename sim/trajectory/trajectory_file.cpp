@@ -193,6 +193,39 @@ std::vector<int> reversedTiles(const model::FileOrder& order) {
   return tiles;
 }
 
+/// Vertices, edges and faces of the model's FOLD file. The targets' own angles are not needed: a
+/// run has the targets themselves.
+void writeSheet(ArrayWriter& file, const model::FoldSheet& sheet) {
+  const auto writeLists = [&](const std::string& name, const std::vector<std::vector<int>>& lists) {
+    std::vector<int> sizes, entries;
+    for (const std::vector<int>& list : lists) {
+      sizes.push_back(static_cast<int>(list.size()));
+      entries.insert(entries.end(), list.begin(), list.end());
+    }
+    file.write(name + "_sizes", std::span<const int>(sizes), {sizes.size()});
+    file.write(name, std::span<const int>(entries), {entries.size()});
+  };
+  std::vector<double> vertices, angles;
+  for (const Vector3& vertex : sheet.vertices) append(vertices, vertex);
+  std::vector<int> edges;
+  for (const model::Crease& crease : sheet.creases) {
+    edges.insert(edges.end(), {crease.from, crease.to, crease.assignment});
+    angles.push_back(crease.foldAngle.value_or(layout::kNoAngle));
+  }
+  file.addGroup("model/sheet");
+  writePoints(file, "model/sheet/vertices", vertices);
+  file.write("model/sheet/edges", std::span<const int>(edges), {angles.size(), 3});
+  file.setAttribute("model/sheet/edges", "columns",
+                    std::string("two vertices, letter of FOLD as its ASCII code"));
+  writeArray(file, "model/sheet/fold_angles", angles, {angles.size()}, "degrees");
+  writeLists("model/sheet/faces", sheet.faces);
+  writeLists("model/sheet/outlines", sheet.outlines);
+  file.write("model/sheet/face_tiles", std::span<const int>(sheet.tileOf), {sheet.tileOf.size()});
+  for (const auto& [name, flag] : layout::kSheetFlags) {
+    file.setAttribute("model/sheet", name, sheet.*flag ? 1.0 : 0.0);
+  }
+}
+
 // Everything that the reader needs to restore the model, including its file's order.
 void writeModel(ArrayWriter& file, const model::Model& model) {
   file.addGroup("model");
@@ -202,6 +235,10 @@ void writeModel(ArrayWriter& file, const model::Model& model) {
   file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
+  for (std::size_t k = 0; k < model.waypoints.size(); ++k) {
+    writePoints(file, layout::waypoint(k), flatten(model.waypoints[k]));
+  }
+  if (model.drawing) writeSheet(file, *model.drawing);
   writeJoints(file, model.joints);
   if (model.fileOrder.countsFrom != 0) {
     file.setAttribute("model", "counts_from", model.fileOrder.countsFrom);
@@ -793,6 +830,58 @@ class SubjectReader {
     return folds;
   }
 
+  /// Whole numbers, checked to be in [0, count).
+  std::vector<int> numbersBelow(const std::string& name, std::size_t count) const {
+    std::vector<int> entries = file_.integers(name);
+    for (const int entry : entries) {
+      if (entry >= 0 && static_cast<std::size_t>(entry) < count) continue;
+      file_.refuse(fmt::format("{} names {}, which does not exist", name, entry));
+    }
+    return entries;
+  }
+
+  model::FoldSheet readSheet() const {
+    const auto lists = [&](const std::string& name, std::size_t vertices) {
+      const std::vector<int> entries = numbersBelow(name, vertices);
+      std::vector<std::vector<int>> result;
+      auto next = entries.begin();
+      for (const std::size_t size : readSizes(name + "_sizes")) {
+        if (static_cast<std::size_t>(entries.end() - next) < size) {
+          file_.refuse(fmt::format("{} ends early", name));
+        }
+        result.emplace_back(next, next + static_cast<std::ptrdiff_t>(size));
+        next += static_cast<std::ptrdiff_t>(size);
+      }
+      return result;
+    };
+    model::FoldSheet sheet;
+    const std::size_t count = file_.shape("model/sheet/vertices").at(0);
+    const std::vector<double> places = numbers("model/sheet/vertices", {count, 3});
+    for (std::size_t k = 0; k < count; ++k) sheet.vertices.emplace_back(&places[3 * k]);
+    const std::vector<int> edges = file_.integers("model/sheet/edges");
+    const std::vector<double> angles = numbers("model/sheet/fold_angles", {edges.size() / 3});
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      const int* row = &edges[3 * k];
+      const bool isThere = std::min(row[0], row[1]) >= 0 &&
+                           static_cast<std::size_t>(std::max(row[0], row[1])) < count;
+      if (!isThere || !model::isFoldLetter(row[2])) {
+        file_.refuse(fmt::format("edge {} of model/sheet has wrong ends or letters", k));
+      }
+      sheet.creases.push_back({row[0], row[1], static_cast<char>(row[2]), {}});
+      if (angles[k] != layout::kNoAngle) sheet.creases.back().foldAngle = angles[k];
+    }
+    sheet.faces = lists("model/sheet/faces", count);
+    sheet.outlines = lists("model/sheet/outlines", count);
+    sheet.tileOf = numbersBelow("model/sheet/face_tiles", sheet.outlines.size());
+    if (sheet.tileOf.size() != sheet.faces.size()) {
+      file_.refuse("model/sheet/face_tiles does not have one tile per face");
+    }
+    for (const auto& [name, flag] : layout::kSheetFlags) {
+      sheet.*flag = file_.numberAttribute("model/sheet", name) != 0;
+    }
+    return sheet;
+  }
+
   LengthUnit readUnit() const {
     const std::string name = file_.textAttribute("model", "unit");
     const std::optional<LengthUnit> unit = findLengthUnit(name);
@@ -806,6 +895,10 @@ class SubjectReader {
     model.unit = readUnit();
     model.tiles = tiles("model/vertices", sizes_);
     if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
+    for (std::size_t k = 0; file_.has(layout::waypoint(k)); ++k) {
+      model.waypoints.push_back(tiles(layout::waypoint(k), sizes_));
+    }
+    if (file_.has("model/sheet")) model.drawing = readSheet();
     model.joints = readJoints();
     if (file_.has("model/pulled_tiles")) {
       model.pulledTiles = readTileNumbers("model/pulled_tiles");

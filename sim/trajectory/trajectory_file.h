@@ -8,11 +8,21 @@
 ///     model/                  attributes name, unit (of its file; all arrays are in metres)
 ///       tile_sizes            tiles            vertices of each tile
 ///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
+///       waypoint_0, ...       vertices x 3     m; targets before the last, if there are some
 ///       joints                joints x 6       tile, vertex, tile, vertex, face, kind
 ///       joint_apart           joints x 3       m, corner b to a, of links and fixed joints
 ///       joints_within_tiles   rows of joints   between parts of one bending tile; only if
 ///                                              there are some
 ///       pulled_tiles          (only if given)
+///     model/sheet/            vertices, edges and faces of the model's FOLD file, with its
+///     numbers;
+///                             only if it has one. Attributes: see kSheetFlags
+///       vertices              vertices x 3     m, at the start
+///       edges                 edges x 3        two vertices, letter as ASCII code
+///       fold_angles           edges            degrees; kNoAngle for edges without an angle
+///       faces, outlines       list of vertices of each face and of each tile, one after the other;
+///                             faces_sizes and outlines_sizes have their lengths
+///       face_tiles            faces            tile of each face
 ///     bricks/                 attributes rule_thickness, rule_mass, rule_density
 ///       bottom, top           vertices x 3     m, brick axes
 ///       normal                bricks x 3
@@ -200,6 +210,19 @@ inline constexpr const char* kFormat = "kirireel trajectory";
 inline constexpr double kFormatVersion = 5;  ///< the only version that can be read
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
+
+/// The array of a target before the last, index >= 0.
+inline std::string waypoint(std::size_t index) {
+  return "model/waypoint_" + std::to_string(index);
+}
+/// In model/sheet/fold_angles, for edges without an angle. Angles are in [-180, 180].
+inline constexpr double kNoAngle = 999;
+/// Attributes of model/sheet: 1 or 0.
+inline constexpr std::array<std::pair<const char*, bool model::FoldSheet::*>, 4> kSheetFlags = {
+    {{"has_letters", &model::FoldSheet::hasLetters},
+     {"has_angles", &model::FoldSheet::hasAngles},
+     {"is_folded", &model::FoldSheet::isFolded},
+     {"gives_target", &model::FoldSheet::givesTarget}}};
 
 /// The numbers of each sample, beginning with its time.
 inline constexpr auto kSampleNumbers = fieldsOfType<double>(Sample::fields());

@@ -1,7 +1,6 @@
 // Cut patterns read back: the sheet that they were drawn from, up to the order of its tiles.
 #include <cmath>
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,74 +9,13 @@
 #include "sim/base/error.h"
 #include "sim/generate/families.h"
 #include "sim/model/read_model.h"
+#include "tests/render/writers/same_sheet.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
 
 using test::TemporaryFolder;
-using CornerPair = std::pair<std::pair<int, int>, std::pair<int, int>>;
-
-Vector3 meanCorner(const std::vector<model::Tile>& tiles) {
-  Vector3 sum = Vector3::Zero();
-  int count = 0;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& v : tile.vertices) {
-      sum += v;
-      ++count;
-    }
-  }
-  return sum / count;
-}
-
-/// The corner of `tiles` at a corner's place, of the tile round the same centroid.
-std::pair<int, int> cornerLike(const model::Model& model, const model::Corner& corner,
-                               const std::vector<model::Tile>& tiles, const Vector3& moved,
-                               double tolerance) {
-  const Vector3 centre = model::tileCentroid(model.tiles[corner.tile]) + moved;
-  const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex] + moved;
-  for (int t = 0; t < std::ssize(tiles); ++t) {
-    if ((model::tileCentroid(tiles[t]) - centre).norm() > tolerance) continue;
-    for (int k = 0; k < std::ssize(tiles[t].vertices); ++k) {
-      if ((tiles[t].vertices[k] - place).norm() <= tolerance) return {t, k};
-    }
-  }
-  return {-1, -1};
-}
-
-CornerPair sorted(std::pair<int, int> a, std::pair<int, int> b) {
-  return a < b ? CornerPair{a, b} : CornerPair{b, a};
-}
-
-void expectSameSheet(const model::Model& read, const model::Model& drawn, const std::string& what) {
-  ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;
-  ASSERT_EQ(read.joints.size(), drawn.joints.size()) << what;
-  const Vector3 moved = meanCorner(read.tiles) - meanCorner(drawn.tiles);
-  // A pattern draws sides that nearly coincide (1e-4 of a tile) once: the kinks of this one's
-  // slits.
-  const double share = drawn.name == "square-to-circle" ? 2e-4 : 1e-9;  // measured 3e-13
-  const double tolerance = share * model::tileSize(drawn);
-  std::set<std::pair<int, int>> found;
-  for (int t = 0; t < std::ssize(drawn.tiles); ++t) {
-    for (int k = 0; k < std::ssize(drawn.tiles[t].vertices); ++k) {
-      found.insert(cornerLike(drawn, {t, k}, read.tiles, moved, tolerance));
-    }
-  }
-  std::size_t corners = 0;
-  for (const model::Tile& tile : read.tiles) corners += tile.vertices.size();
-  EXPECT_EQ(found.size(), corners) << what;
-  EXPECT_FALSE(found.contains({-1, -1})) << what;
-  std::set<CornerPair> expected, got;
-  for (const model::Joint& joint : drawn.joints) {
-    expected.insert(sorted(cornerLike(drawn, joint.a, read.tiles, moved, tolerance),
-                           cornerLike(drawn, joint.b, read.tiles, moved, tolerance)));
-  }
-  for (const model::Joint& joint : read.joints) {
-    EXPECT_EQ(joint.face, model::JointFace::Both);
-    got.insert(sorted({joint.a.tile, joint.a.vertex}, {joint.b.tile, joint.b.vertex}));
-  }
-  EXPECT_EQ(got, expected) << what;
-}
 
 double leastEdge(const model::Model& model) {
   double least = 1e9;
@@ -114,8 +52,9 @@ TEST_P(PatternOf, ReadsBackToTheSameModel) {
       for (const char* name : {"sheet.svg", "sheet.dxf"}) {
         std::vector<std::string> warnings;
         try {
-          expectSameSheet(model::readModel(folder.path() / name, std::nullopt, warnings), drawn,
-                          fmt::format("{} {} {} from {} degrees", GetParam(), name, share, start));
+          test::expectSameSheet(
+              model::readModel(folder.path() / name, std::nullopt, warnings), drawn,
+              fmt::format("{} {} {} from {} degrees", GetParam(), name, share, start));
         } catch (const InputError& error) {
           ADD_FAILURE() << GetParam() << ' ' << share << ' ' << start << ": " << error.what();
         }
@@ -158,7 +97,7 @@ TEST(Patterns, ThatAreBrokenAreRefused) {
             "/a.svg: error: the line that ends at (0, 0) px is not connected; give a cut pattern "
             "from `kirireel export`");
   EXPECT_EQ(refusalOf("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
-            "/a.dxf: error: a LINE lacks an end (group 11); save the drawing again");
+            "/a.dxf:2: error: a LINE lacks an end (group 11); save the drawing again");
 }
 
 TEST(Patterns, TellOfHolesInTiles) {

@@ -425,12 +425,15 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
 
 TEST(DxfDrawing, ReportsWhatIsWrong) {
   EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
-              HasSubstr("a LINE lacks an end"));
+              HasSubstr("a.dxf:2: error: a LINE lacks an end"));
+  EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\nx\n0\nEOF\n"),
+              HasSubstr("a.dxf:8: error: "));
   EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"),
               HasSubstr("a.dxf:3: error: this is not a group code"));
   EXPECT_THAT(refusal("a.dxf", "AutoCAD Binary DXF\r\n"), HasSubstr("save it as ASCII DXF"));
   EXPECT_THAT(refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")),
-              HasSubstr("does not exist or contains itself"));
+              HasSubstr("a.dxf:6: error: an INSERT names the block 'b', which does not exist or "
+                        "contains itself"));
 }
 
 TEST(Drawing, PlacesAreTheDrawingsOwn) {

@@ -1,8 +1,8 @@
 // FOLD files as other programs write them, and what is kept when they are written again.
 //
 // Oracles: a file written again has the same vertices, edges, letters and angles; the faces found
-// from the edges of a random drawing are those that it was made of; a model of data/ comes back
-// from every format; angles of letters are those of the same file with angles.
+// from the edges of a random drawing are those that it was made of; angles of letters are those of
+// the same file with angles; folded sheets are rotations about their edges.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -167,7 +167,7 @@ TEST(FoldFile, RefusesBoundariesInsideASheetWithoutFaces) {
             "cuts the letter C, or add faces_vertices");
 }
 
-/// Lengths are in the file's unit, and converting keeps it.
+// Lengths are in the file's unit, and converting keeps it.
 TEST(FoldUnits, AreThoseOfTheFile) {
   const TemporaryFolder folder;
   folder.write("sheet.fold", R"({"file_spec": 1.2, "frame_unit": "in",
@@ -182,8 +182,58 @@ TEST(FoldUnits, AreThoseOfTheFile) {
   const std::string text = readTextFile(again, "");
   EXPECT_NE(text.find("\"frame_unit\":\"in\""), std::string::npos);
   EXPECT_NE(text.find("2.5"), std::string::npos);
-  const model::Model given = model::readModel(file, {}, warnings, {.unit = *findLengthUnit("mm")});
-  EXPECT_DOUBLE_EQ(given.tiles[0].vertices[1].x(), 2.5e-3);
+}
+
+// One square of 2 inches in every format that can declare a unit, and in none. A declared unit
+// counts, and `unit` is only that of options and written files.
+TEST(DeclaredUnits, CountInEveryFormat) {
+  const std::string text = "0 0 0 2 0 0 2 2 0 0 2 0\n";
+  const std::string obj = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n";
+  const std::string ply =
+      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n4 0 1 2 3\n";
+  const std::string fold =
+      "\"vertices_coords\": [[0,0],[2,0],[2,2],[0,2]], \"faces_vertices\": [[0,1,2,3]]}";
+  const std::string rect = "viewBox='0 0 4 4'><rect x='1' y='1' width='2' height='2'/></svg>";
+  const std::string dxf =
+      "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n70\n1\n10\n0\n20\n0\n10\n2"
+      "\n20\n0\n10\n2\n20\n2\n10\n0\n20\n2\n0\nENDSEC\n0\nEOF\n";
+  struct Case {
+    const char* name;
+    std::string declared, undeclared;
+    double otherwise;  ///< metres per unit without any unit
+  };
+  for (const Case& one :
+       {Case{"a/vertices.txt", "# unit in\n" + text, text, 1},
+        Case{"a_vertices.txt", "# unit in\n0 0 2 0 2 2 0 2\n", "0 0 2 0 2 2 0 2\n", 1},
+        Case{"a.obj", "# unit in\n" + obj, obj, 1},
+        Case{"a.ply", "ply\nformat ascii 1.0\ncomment unit in\n" + ply,
+             "ply\nformat ascii 1.0\n" + ply, 1},
+        Case{"a.fold", "{\"frame_unit\": \"in\", " + fold, "{" + fold, 1},
+        Case{"a.svg", "<svg width='4in' height='4in' " + rect, "<svg " + rect, 0.0254 / 96},
+        Case{"a.dxf", "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n1\n0\nENDSEC\n" + dxf, dxf,
+             1e-3}}) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "a");
+    folder.write("a/constraints.txt", "# no joints\n");
+    folder.write("a_constraints.txt", "# no joints\n");
+    const auto read = [&](const std::string& content, std::optional<LengthUnit> unit) {
+      folder.write(one.name, content);
+      const fs::path file = folder / one.name;
+      std::vector<std::string> warnings;
+      return model::readModel(file.filename() == "vertices.txt" ? file.parent_path() : file, {},
+                              warnings, {.unit = unit});
+    };
+    const auto mm = findLengthUnit("mm");
+    const auto edge = [](const model::Model& model) { return model::tileSize(model); };
+    // Measured: 1.1e-16 relative.
+    EXPECT_NEAR(edge(read(one.declared, {})), 2 * 0.0254, 1e-15) << one.name;
+    EXPECT_EQ(read(one.declared, {}).unit.name, "in") << one.name;
+    EXPECT_NEAR(edge(read(one.declared, mm)), 2 * 0.0254, 1e-15) << one.name;
+    EXPECT_EQ(read(one.declared, mm).unit.name, "mm") << one.name;
+    EXPECT_NEAR(edge(read(one.undeclared, mm)), 2e-3, 1e-15) << one.name;
+    EXPECT_NEAR(edge(read(one.undeclared, {})), 2 * one.otherwise, 1e-15) << one.name;
+  }
 }
 
 TEST(FoldFile, TakesBothNamesOfAngles) {
@@ -290,6 +340,18 @@ TEST(FoldFile, TakesFlatFoldedFormsAsTheyAre) {
   EXPECT_EQ(again["edges_foldAngle"][1], 180);
 }
 
+// As in a published example: angles of 90 degrees cannot describe a flat sheet.
+TEST(FoldFile, TakesFlatFoldedFormsWithOtherAnglesAsPatterns) {
+  const json file = edited(twoSquares(), {{"frame_classes", {"foldedForm"}},
+                                          {"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
+  const ReadSheet sheet = readText(file.dump());
+  EXPECT_EQ(sheet.said,
+            "@/a.fold: warning: the frame is a foldedForm, but flat and with fold angles; it is "
+            "read as a creasePattern");
+  ASSERT_TRUE(sheet.model.target);
+  EXPECT_LT((cornerOf(*sheet.model.target, 1, 1) - Vector3(1, 0, 1)).norm(), 1e-15);
+}
+
 TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
   json file = twoSquares();
   const auto state = [](double x, double z) {
@@ -322,6 +384,128 @@ TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
             "@/a.fold: error: there are frames 0-3, not frame 4; correct `frame`");
 }
 
+/// A frame that folds the sheet of frame 0 by angles.
+json foldedBy(const json& angles, const char* key = "edges_foldAngle") {
+  return {{"frame_inherit", true}, {"frame_parent", 0}, {key, angles}};
+}
+
+// The second square at 60, 120 and -90 degrees. The oracle is its rotation about the edge.
+TEST(FoldFile, FramesWithAnglesAreTargetsInTurn) {
+  const auto expectFolded = [](const std::vector<model::Tile>& tiles, double degrees) {
+    const Vector3 expected(1 + std::cos(degrees * kDegree), 0, std::sin(degrees * kDegree));
+    EXPECT_LT((cornerOf(tiles, 1, 1) - expected).norm(), 1e-15) << degrees;  // measured 2.5e-16
+    EXPECT_LT((cornerOf(tiles, 0, 1) - Vector3(1, 0, 0)).norm(), 1e-15);
+  };
+  json file = twoSquares();
+  file["file_frames"] = {foldedBy({0, 60, 0, 0, 0, 0, 0}),
+                         foldedBy({nullptr, 120, 0, 0, 0, 0, 0}, "edges_foldAngles"),
+                         foldedBy({0, -90, 0, 0, 0, 0, 0})};
+  const ReadSheet sheet = readText(file.dump());
+  EXPECT_EQ(
+      sheet.said,
+      "@/a.fold: warning: of frames 0-3, frame 0 is the start, frames 1, 2, 3 are targets one "
+      "after the other; `frame = N` reads frame N only");
+  ASSERT_EQ(sheet.model.waypoints.size(), 2U);
+  expectFolded(sheet.model.waypoints[0], 60);
+  expectFolded(sheet.model.waypoints[1], 120);
+  expectFolded(*sheet.model.target, -90);
+  // Written again, the frames have the same angles and no coordinates.
+  const json again = json::parse(model::foldText(sheet.model));
+  ASSERT_EQ(again["file_frames"].size(), 3U);
+  EXPECT_FALSE(again.contains("edges_foldAngle"));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const json& frame = again["file_frames"][k];
+    EXPECT_FALSE(frame.contains("vertices_coords"));
+    EXPECT_EQ(frame["edges_foldAngle"],
+              file["file_frames"][k].value("edges_foldAngle", json{nullptr, 120, 0, 0, 0, 0, 0}));
+  }
+  EXPECT_EQ(json::parse(model::foldText(readText(again.dump()).model)), again);
+  // The angles of frame 0 fold it before the others, unless they are 0. States with coordinates may
+  // be among them.
+  file["edges_foldAngle"] = {0, 30, 0, 0, 0, 0, 0};
+  file["file_frames"][1] = {
+      {"frame_inherit", true},
+      {"vertices_coords", {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 1, 1}, {1, 1, 0}, {0, 1, 0}}}};
+  const ReadSheet mixed = readText(file.dump());
+  ASSERT_EQ(mixed.model.waypoints.size(), 3U);
+  for (const auto& [state, degrees] : {std::pair{0, 30.0}, {1, 60.0}, {2, 90.0}}) {
+    expectFolded(mixed.model.waypoints[static_cast<std::size_t>(state)], degrees);
+  }
+  expectFolded(*mixed.model.target, -90);
+  const json kept = json::parse(model::foldText(mixed.model));
+  ASSERT_EQ(kept["file_frames"].size(), 3U);
+  EXPECT_EQ(kept["edges_foldAngle"], file["edges_foldAngle"]);
+  EXPECT_EQ(readText(kept.dump()).model.waypoints.size(), 3U);
+}
+
+TEST(FoldFile, FramesWithAnglesNeedAFlatStartAndAnglesThatFit) {
+  json file = twoSquares();
+  file["vertices_coords"] = json::parse("[[0,0],[1,0],[1,0,1],[1,1,1],[1,1],[0,1]]");
+  file["file_frames"] = {foldedBy({0, 60, 0, 0, 0, 0, 0})};
+  EXPECT_EQ(readText(file.dump()).said,
+            "@/a.fold: warning: 1 frames have only fold angles, which need a "
+            "flat start; they are not read");
+  file["file_frames"] = {foldedBy({0, 60})};
+  EXPECT_EQ(readText(file.dump()).said,
+            "@/a.fold: error: edges_foldAngle is not a list of 7 angles, one per edge. Correct or "
+            "delete it");
+}
+
+// Four squares around a vertex, cut from the side to the middle: the sides of the cut are one edge
+// in the file and separate when the sheet folds.
+TEST(FoldFile, SidesOfOpenCutsGetVerticesOfTheirOwn) {
+  const json file = json::parse(
+      R"({"file_spec": 1.1, "vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
+      "faces_vertices": [[0,1,4,3],[1,2,5,4],[3,4,7,6],[4,5,8,7]],
+      "edges_vertices": [[1,4],[0,1],[1,2],[2,5],[5,8],[8,7],[7,6],[6,3],[3,0],[4,7],[3,4],[4,5]],
+      "edges_assignment": ["C","B","B","B","B","B","B","B","B","F","V","F"],
+      "edges_foldAngle": [0,0,0,0,0,0,0,0,0,0,90,0]})");
+  const model::Model model = readText(file.dump()).model;
+  ASSERT_TRUE(model.target);
+  // Converting keeps the vertices: the angles give the target.
+  const json kept = json::parse(model::foldText(model));
+  for (const char* key : {"edges_vertices", "edges_assignment", "edges_foldAngle"}) {
+    EXPECT_EQ(kept[key], file[key]) << key;
+  }
+  EXPECT_EQ(kept["vertices_coords"].size(), 9U);
+  EXPECT_FALSE(kept.contains("file_frames"));
+  // A run moves the first square alone: vertex 1 gets another vertex, edge 0 another edge.
+  const json run =
+      json::parse(model::foldText(model, {{"t = 0 s", {}}, {"t = 1 s", *model.target}}));
+  ASSERT_EQ(run["vertices_coords"].size(), 10U);
+  ASSERT_EQ(run["edges_vertices"].size(), 13U);
+  for (std::size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(run["edges_assignment"][k], file["edges_assignment"][k]);
+    EXPECT_EQ(run["edges_foldAngle"][k], file["edges_foldAngle"][k]);
+  }
+  EXPECT_EQ(run["edges_vertices"][12], json({9, 4}));
+  EXPECT_EQ(run["edges_assignment"][12], "C");
+  const model::Model again = readText(run.dump()).model;
+  ASSERT_EQ(again.joints.size(), model.joints.size());
+  for (int tile = 0; tile < 4; ++tile) {
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_EQ(cornerOf(again.tiles, tile, k), cornerOf(model.tiles, tile, k));
+      EXPECT_EQ(cornerOf(*again.target, tile, k), cornerOf(*model.target, tile, k));
+    }
+  }
+}
+
+// As Origami Simulator writes a series: frame 0 has only what the others inherit.
+TEST(FoldFile, SeriesMayHaveNoCoordinatesInFrame0) {
+  json file = twoSquares();
+  const json places = file["vertices_coords"];
+  file.erase("vertices_coords");
+  json folded = places;
+  for (std::size_t k : {2, 3}) folded[k] = {1, places[k][1], 1};
+  for (const json& state : {places, folded}) {
+    file["file_frames"].push_back({{"frame_inherit", true}, {"vertices_coords", state}});
+  }
+  const ReadSheet sheet = readText(file.dump());
+  EXPECT_EQ(sheet.said, "");
+  ASSERT_TRUE(sheet.model.target);
+  EXPECT_EQ(cornerOf(*sheet.model.target, 1, 1), Vector3(1, 0, 1));
+}
+
 TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
   json file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
   file["file_frames"] = json::parse(R"([
@@ -330,8 +514,8 @@ TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
       {"frame_inherit": true, "frame_parent": 2, "frame_title": "the same triangle"}])");
   const ReadSheet sheet = readText(file.dump());
   EXPECT_EQ(sheet.said,
-            "@/a.fold: warning: of frames 0-3, frame 0 is the start, and 3 are not read; `frame = "
-            "N` reads frame N only");
+            "@/a.fold: warning: of frames 0-3, frame 0 is the start, and 3 others are not read; "
+            "`frame = N` reads frame N only");
   EXPECT_EQ(sheet.model.tiles.size(), 2U);
   EXPECT_TRUE(sheet.model.target);
   model::ReadSettings settings;
@@ -757,104 +941,6 @@ TEST(MeshFile, TakesPaddedFolders) {
     ASSERT_EQ(model.tiles.size(), 2U);
     EXPECT_EQ(model.tiles[1].vertices.size(), 3U) << padding;
     EXPECT_EQ(warnings.size(), *padding == 0 ? 0U : 1U);
-  }
-}
-
-// ------------------------------------------------------------------------------------------------
-// Round trips.
-
-void expectSame(const model::Model& a, const model::Model& b, const std::string& name) {
-  ASSERT_EQ(a.tiles.size(), b.tiles.size()) << name;
-  ASSERT_EQ(a.target.has_value(), b.target.has_value()) << name;
-  for (std::size_t i = 0; i < a.tiles.size(); ++i) {
-    EXPECT_EQ(a.tiles[i].vertices, b.tiles[i].vertices) << name;
-    if (!a.target) continue;
-    EXPECT_EQ((*a.target)[i].vertices, (*b.target)[i].vertices) << name;
-  }
-  ASSERT_EQ(a.joints.size(), b.joints.size()) << name;
-  for (std::size_t k = 0; k < a.joints.size(); ++k) {
-    EXPECT_EQ(a.joints[k].a, b.joints[k].a) << name;
-    EXPECT_EQ(a.joints[k].b, b.joints[k].b) << name;
-    EXPECT_EQ(a.joints[k].face, b.joints[k].face) << name;
-    EXPECT_EQ(a.joints[k].kind, b.joints[k].kind) << name;
-  }
-}
-
-/// Through planar files, which hold no target, no faces and no place in space: distances stay.
-void expectPlanarRoundTrip(model::Model model, const std::string& name) {
-  if (!model::sheetFrame(model.tiles, 1e-9 * model::modelSize(model))) return;
-  const TemporaryFolder folder;
-  model::writeModel(model, folder.path() / "a_vertices.txt");
-  std::vector<std::string> warnings;
-  const model::Model read =
-      model::readModel(folder.path() / "a_vertices.txt", std::nullopt, warnings);
-  ASSERT_EQ(read.tiles.size(), model.tiles.size()) << name;
-  for (std::size_t i = 0; i < read.tiles.size(); ++i) {
-    ASSERT_EQ(read.tiles[i].vertices.size(), model.tiles[i].vertices.size()) << name;
-    for (std::size_t k = 0; k < read.tiles[i].vertices.size(); ++k) {
-      for (const std::size_t corner : {std::size_t{0}, std::size_t{1}}) {
-        EXPECT_NEAR((read.tiles[i].vertices[k] - read.tiles[0].vertices[corner]).norm(),
-                    (model.tiles[i].vertices[k] - model.tiles[0].vertices[corner]).norm(),
-                    1e-12 * model::modelSize(model))
-            << name;
-      }
-    }
-  }
-  ASSERT_EQ(read.joints.size(), model.joints.size()) << name;
-  for (std::size_t k = 0; k < read.joints.size(); ++k) {
-    EXPECT_EQ(read.joints[k].a, model.joints[k].a) << name;
-    EXPECT_EQ(read.joints[k].b, model.joints[k].b) << name;
-  }
-}
-
-/// Through each format that can hold the model.
-void expectRoundTrips(const model::Model& model, const std::string& name) {
-  const TemporaryFolder folder;
-  const bool hasPivots = std::ranges::all_of(model.joints, [](const model::Joint& joint) {
-    return joint.kind == model::JointKind::Pivot;
-  });
-  for (const char* file : {"a.fold", "a_contracted.obj", "a"}) {
-    if (!hasPivots && std::string(file) != "a.fold") continue;
-    model::writeModel(model, folder.path() / file);
-    std::vector<std::string> warnings;
-    expectSame(model::readModel(folder.path() / file, std::nullopt, warnings), model, name + file);
-  }
-  if (hasPivots) expectPlanarRoundTrip(model, name + "planar");
-}
-
-TEST(RoundTrips, ModelsOfData) {
-  int count = 0;
-  for (const auto& entry : fs::directory_iterator(fs::path(KIRIREEL_SOURCE_DIR) / "data")) {
-    if (!fs::exists(entry.path() / "vertices.txt")) continue;
-    std::vector<std::string> warnings;
-    expectRoundTrips(model::readModel(entry.path(), std::nullopt, warnings),
-                     entry.path().filename().string() + " ");
-    ++count;
-  }
-  EXPECT_GE(count, 20);
-}
-
-TEST(RoundTrips, RandomModels) {
-  std::mt19937 random(1);
-  const auto number = [&] { return random() / 4294967296.0; };
-  for (int k = 0; k < 50; ++k) {
-    model::TessellationShape shape;
-    shape.columns = 2 + static_cast<int>(6 * number());
-    shape.rows = 2 + static_cast<int>(6 * number());
-    shape.length = 0.01 + number();
-    shape.startAngle = number();
-    model::Model model = model::makeTessellation(shape);
-    const Matrix3 turn =
-        rotationFromVector(Vector3(number(), number(), 3 * number())).toRotationMatrix();
-    for (std::vector<model::Tile>* state : {&model.tiles, &*model.target}) {
-      for (model::Tile& tile : *state) {
-        for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
-      }
-    }
-    for (model::Joint& joint : model.joints) {
-      joint.face = static_cast<model::JointFace>(1 + static_cast<int>(3 * number()));
-    }
-    expectRoundTrips(model, std::to_string(k) + " ");
   }
 }
 

@@ -477,9 +477,10 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
             "@/a.fold: error: entry 1 of file_frames is not a JSON object. Correct or delete it");
   // A frame that is not read may be anything.
-  EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
-            "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 is not read; `frame = "
-            "N` reads frame N only");
+  EXPECT_EQ(
+      messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
+      "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 other is not read; `frame = "
+      "N` reads frame N only");
 }
 
 TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {

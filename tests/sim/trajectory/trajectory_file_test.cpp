@@ -13,6 +13,8 @@
 
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "sim/model/model_formats.h"
+#include "sim/model/read_model.h"
 #include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"
 #include "tests/support/pair_forces.h"
@@ -226,6 +228,31 @@ TEST(TrajectoryFile, KeepsEveryBitOfPanels) {
     EXPECT_EQ(a.states[k].strains, b.states[k].strains);
     EXPECT_EQ(a.states[k].angles, b.states[k].angles);
   }
+}
+
+// The FOLD text of the model that is read is that of the model that was written: two squares whose
+// common edge has an angle, a vertex in no face, and two targets.
+TEST(TrajectoryFile, KeepsTheSheetOfAFoldFile) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", R"({"file_spec": 1.1, "frame_unit": "mm", "vertices_coords":
+      [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1],[9,9]], "faces_vertices": [[0,1,4,5],[1,2,3,4]],
+      "edges_vertices": [[4,1],[0,1],[4,5],[5,0],[1,2],[2,3],[3,4]],
+      "edges_assignment": ["V","B","B","B","B","B","C"],
+      "edges_foldAngle": [30,null,0,0,0,0,0],
+      "file_frames": [{"frame_inherit": true, "vertices_coords":
+      [[0,0,0],[1,0,0],[1,0,1],[1,1,1],[1,1,0],[0,1,0],[9,9,0]]}, {"frame_inherit": true,
+      "vertices_coords": [[0,0,0],[1,0,0],[2,0,0],[2,1,0],[1,1,0],[0,1,0],[9,9,0]]}]})");
+  std::vector<std::string> warnings;
+  scene::Scene scene;
+  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  trajectory::Trajectory run{trajectory::subjectOf(scene)};
+  run.samples.emplace_back().poses = model::startPoses(run.model.tiles, run.bricks);
+  trajectory::writeTrajectory(run, folder / "run.h5");
+  const model::Model read = trajectory::readTrajectory(folder / "run.h5").model;
+  EXPECT_EQ(model::foldText(read), model::foldText(scene.model));
+  const std::vector<model::FoldState> states = {{"t = 0 s", {}}, {"t = 1 s", scene.model.tiles}};
+  EXPECT_EQ(model::foldText(read, states), model::foldText(scene.model, states));
+  EXPECT_EQ(read.waypoints.size(), 1U);
 }
 
 TEST(TrajectoryFile, RefusesOtherVersions) {
