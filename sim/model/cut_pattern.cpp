@@ -872,6 +872,13 @@ class CutPatternReader {
         if (what.find(", which is not ") != what.npos)
           text += fmt::format(" ({} x {})", count, what);
       }
+      std::deque<DrawnPath> lines;
+      if (takeThinSlots(pathsOf([](const LineGroup&) { return true; }), lines) > 0) {
+        text += fmt::format(
+            " (slots are narrower than {:.2g} mm, but the coordinates are rounded to {:.2g} mm. "
+            "Save the drawing with more decimals)",
+            thinWidth() * 1e3, drawing_.rounding * 1e3);
+      }
       return InputError(text);
     };
     try {
@@ -1227,7 +1234,7 @@ class CutPatternReader {
       if (groups_[g].role != "cut" || (touches[g] && !isCrossing && !isNamed)) continue;
       const auto rest =
           pathsOf([&](const LineGroup& one) { return &one != &groups_[g] && one.role == "cut"; });
-      if (rest.empty()) continue;
+      if (rest.empty() || (!isNamed && isCrossing && areReliefs(groups_[g], rest))) continue;
       if (isNamed || touches[g]) {
         const std::size_t hinges = hingesOf(rest);
         if (hinges > 0 && (isNamed || hinges >= hingesOf(pathsOf([](const LineGroup& one) {
@@ -1245,6 +1252,17 @@ class CutPatternReader {
         continue;  // without it the remaining lines are not a sheet
       }
     }
+  }
+
+  /// Whether each line of a group, all closed, is a relief at the end of a slit.
+  bool areReliefs(const LineGroup& group, std::vector<const DrawnPath*> others) const {
+    std::vector<std::vector<Vector2>> rings;
+    for (const DrawnPath* path : group.paths) rings.push_back(path->points);
+    const std::size_t count = others.size();
+    others.insert(others.end(), group.paths.begin(), group.paths.end());
+    CutLines cuts;
+    takeReliefs(others, rings, cuts);
+    return others.size() == count;
   }
 
   static Vector2 nearestOn(const PlaneSegment& line, const Vector2& point) {
@@ -1293,16 +1311,38 @@ class CutPatternReader {
     return ends > 0 && 2 * necks >= ends;
   }
 
+  /// Reads the lines as a sheet. Rounding closes, opens and bends slots that are about as narrow as
+  /// the last digit of their coordinates: they are read as lines.
   SheetReading sheetOf(std::vector<const DrawnPath*> paths) const {
+    constexpr double kResolved = 3;  // width of slots that may be right as drawn, in digits
     std::map<std::string, int> leftOut;
     dropMarksOutside(paths, leftOut);
+    std::deque<DrawnPath> thinned;
+    const int thin = takeThinSlots(paths, thinned);
+    if (thin == 0) return readPaths(paths, leftOut, tolerance_);
+    std::map<std::string, int> leftOutOfLines = leftOut;
+    leftOutOfLines["width of a slot (about the last digit of its coordinates)"] += thin;
+    std::vector<const DrawnPath*> lines;
+    for (const DrawnPath& path : thinned) lines.push_back(&path);
+    // Ends that meet may differ by a digit in each direction.
+    const double tolerance = std::max(tolerance_, 2 * drawing_.rounding);
+    auto asLines = ifSheet([&] { return readPaths(lines, leftOutOfLines, tolerance); });
+    if (!asLines || asLines->model.joints.empty()) return readPaths(paths, leftOut, tolerance_);
+    auto asDrawn = ifSheet([&] { return readPaths(paths, leftOut, tolerance_); });
+    const bool isResolved =
+        asDrawn && asDrawn->model.joints.size() >= asLines->model.joints.size() &&
+        asDrawn->model.joints.front().neck.kerf >= kResolved * drawing_.rounding;
+    return isResolved ? std::move(*asDrawn) : std::move(*asLines);
+  }
+
+  SheetReading readPaths(std::vector<const DrawnPath*> paths,
+                         const std::map<std::string, int>& leftOut, double tolerance) const {
     std::vector<const DrawnPath*> open;
-    const auto rings = closedRings(paths, tolerance_, open);
+    const auto rings = closedRings(paths, tolerance, open);
     const auto readAs = [&](CutLines cuts) {
       for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
       // Centre lines are accurate to a small fraction of their slots' width.
-      const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
-      SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
+      SheetMaker maker(cuts, drawing_, settings_, std::max(tolerance, 0.03 * cuts.kerf), file_);
       SheetReading reading;
       reading.model = maker.make();
       reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
@@ -1311,7 +1351,7 @@ class CutPatternReader {
     };
     const auto asSlots = [&]() -> std::optional<SheetReading> {
       if (rings.empty()) return std::nullopt;
-      CutLines cuts = slotLines(rings, open, tolerance_);
+      CutLines cuts = slotLines(rings, open, tolerance);
       if (cuts.lines.empty()) return std::nullopt;
       requireSimple(rings);
       return readAs(std::move(cuts));
@@ -1326,27 +1366,95 @@ class CutPatternReader {
     return readMixed([&] { return readAs(std::move(slits)); }, asSlots);
   }
 
+  template <typename Read>
+  static std::optional<SheetReading> ifSheet(Read read) {
+    try {
+      return read();
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  }
+
   /// Closed outlines next to open lines are slots, reliefs, holes or marks. The reading with more
   /// hinges is right: what is no slot separates no tiles.
   template <typename ReadSlits, typename ReadSlots>
   static SheetReading readMixed(ReadSlits readSlits, ReadSlots readSlots) {
-    const auto slots = [&]() -> std::optional<SheetReading> {
-      try {
-        return readSlots();
-      } catch (const InputError&) {
-        return std::nullopt;
-      }
-    };
     try {
       SheetReading reading = readSlits();
-      auto other = slots();
+      auto other = ifSheet(readSlots);
       const bool isOther = other && other->model.joints.size() > reading.model.joints.size();
       return isOther ? std::move(*other) : std::move(reading);
     } catch (const InputError&) {
-      auto other = slots();
+      auto other = ifSheet(readSlots);
       if (!other || other->model.joints.empty()) throw;
       return std::move(*other);
     }
+  }
+
+  /// Width below which rounding can close, open or bend a slot, metres.
+  double thinWidth() const {
+    constexpr double kDigits = 5;
+    return kDigits * drawing_.rounding;
+  }
+
+  /// The lines with closed outlines of thin slots as their middle lines. Returns their number.
+  int takeThinSlots(const std::vector<const DrawnPath*>& paths,
+                    std::deque<DrawnPath>& lines) const {
+    std::vector<const DrawnPath*> open;
+    const auto rings = closedRings(paths, tolerance_, open);
+    int count = 0;
+    for (const std::vector<Vector2>& ring : rings) {
+      DrawnPath outline = *paths.front();
+      outline.points = ring;
+      outline.isClosed = true;
+      const std::optional<DrawnPath> middle = middleOfThin(outline, thinWidth());
+      count += middle ? 1 : 0;
+      lines.push_back(middle.value_or(outline));
+    }
+    for (const DrawnPath* path : open) lines.push_back(*path);
+    return count;
+  }
+
+  /// The middle line of a closed line whose sides are at most `most` apart, between its points that
+  /// are farthest from each other.
+  static std::optional<DrawnPath> middleOfThin(const DrawnPath& ring, double most) {
+    constexpr double kSlender = 4;  // length / `most`, at least
+    std::vector<Vector2> points = ring.points;
+    const auto farthestFrom = [&](const Vector2& from) {
+      return std::ranges::max_element(points, {},
+                                      [&](const Vector2& p) { return (p - from).norm(); });
+    };
+    std::ranges::rotate(points, farthestFrom(*farthestFrom(points.front())));
+    const auto half = farthestFrom(points.front());
+    const Vector2 first = points.front(), last = *half;
+    if (!(most > 0) || (last - first).norm() <= kSlender * most) return std::nullopt;
+    DrawnPath middle = ring, side = ring;
+    middle.isClosed = side.isClosed = false;
+    middle.points.assign(points.begin(), half + 1);
+    side.points.assign(half, points.end());
+    side.points.push_back(first);
+    const double apart = apartOf(middle, side);
+    if (apart > most) return std::nullopt;
+    // Corners and round ends become one point.
+    const auto isAt = [&](const Vector2& tip, const Vector2& point) {
+      return (point - tip).norm() <= 1.5 * apart;
+    };
+    const auto end = [&](const Vector2& tip) {
+      Vector2 sum(0, 0);
+      int count = 0;
+      for (const Vector2& point : points) {
+        if (!isAt(tip, point)) continue;
+        sum += point;
+        ++count;
+      }
+      return Vector2(sum / count);
+    };
+    std::erase_if(middle.points,
+                  [&](const Vector2& point) { return isAt(first, point) || isAt(last, point); });
+    for (Vector2& point : middle.points) point = 0.5 * (point + nearestOn(side, point));
+    middle.points.insert(middle.points.begin(), end(first));
+    middle.points.push_back(end(last));
+    return middle;
   }
 
   /// Outlines of sheets and slots must not cross themselves. If more than two lines meet at a

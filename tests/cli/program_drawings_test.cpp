@@ -76,7 +76,7 @@ TEST(ProgramDrawings, WithoutNecksSayWhatToGive) {
 
 TEST(ProgramDrawings, GoToTheirSecondCompactState) {
   const TemporaryFolder scratch;
-  for (const char* name : {"squares_slots.svg", "disk_slits.svg"}) {
+  for (const char* name : {"squares_slots.svg", "disk_slits.svg", "fan_slits.dxf"}) {
     const ProgramEnd end =
         runKirireel({"simulate", std::string(KIRIREEL_SOURCE_DIR "/docs/drawings/") + name, "--to",
                      "closed", "--out", scratch / name});

@@ -156,13 +156,16 @@ class Pages(unittest.TestCase):
     def test_sweeps(self):
         self.run_page("docs/sweeps.md")
 
-    def test_gallery_shows_every_family(self):
+    def test_gallery_shows_every_family_and_drawing(self):
         text = (SOURCES / "docs/gallery.md").read_text()
         help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "generate", "--help"], text=True, capture_output=True)
         listed = re.sub(r"\n {26}", " ", help_text.stdout.split("Subcommands:")[1])
         families = re.findall(r"^  ([a-z-]+) ", listed, re.M)
         shown = [block.split()[2] for _, block in fenced_blocks(text)]
-        self.assertEqual(shown, families)
+        drawn = [name for name in shown if name.startswith("docs/drawings/")]
+        self.assertEqual(shown, families + drawn)
+        drawings = (SOURCES / "docs/drawings").iterdir()
+        self.assertEqual(sorted(drawn), sorted(f"docs/drawings/{path.name}" for path in drawings))
         for picture in re.findall(r"\]\(([^)]+\.png)\)", text):
             self.assertTrue((SOURCES / "docs" / picture).exists(), picture)
 

@@ -192,6 +192,44 @@ TEST(CutPatterns, SlotsComeBackWithinTheirWidth) {
   }
 }
 
+// Rounding closes, opens and bends slots that are about as narrow as the last digit.
+TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> angle(0, 6);
+  const SlitGrid grid(4, [] { return 1.2; });
+  for (const int digits : {1, 2, 3}) {
+    const double digit = std::pow(10.0, -digits);
+    for (const double kerf : {0.1, 1 / 3.0, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0}) {
+      for (const int pieces : {1, 8}) {
+        const Eigen::Affine2d move(Eigen::Translation2d(150, 100) *
+                                   Eigen::Rotation2Dd(angle(random)));
+        std::vector<Point> outline = grid.outline();
+        for (Point& p : outline) p = move * p;
+        std::string text = closedPath(outline, digits);
+        for (const auto& [a, b] : grid.slits) {
+          text += closedPath(stadium({move * a, move * b}, kerf * digit, pieces), digits);
+        }
+        SCOPED_TRACE(
+            fmt::format("{} digits, slots of {:.2g} digits, {} pieces", digits, kerf, pieces));
+        const Reading reading = read("a.svg", page(text));
+        EXPECT_EQ(reading.refusal, "");
+        EXPECT_EQ(reading.model.tiles.size(), 16U);
+        EXPECT_EQ(reading.model.joints.size(), grid.joints.size());
+        double worst = 0;
+        for (const Joint& joint : reading.model.joints) {
+          const Vector3& at = reading.model.tiles[joint.a.tile].vertices[joint.a.vertex];
+          double nearest = 1e9;
+          for (const Point& place : grid.joints) {
+            nearest = std::min(nearest, (Point(1e3 * at.x(), -1e3 * at.y()) - move * place).norm());
+          }
+          worst = std::max(worst, nearest);
+        }
+        EXPECT_LE(worst, std::max(2.0, kerf) * digit);  // measured 1.9
+      }
+    }
+  }
+}
+
 /// The same grid with slots of 0.3 mm, of which those at the border are drawn in another way.
 TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
   const SlitGrid grid(4, [] { return 1.15; });
@@ -423,20 +461,25 @@ TEST(CutPatterns, OptionsChooseLines) {
 
 TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
   const SlitGrid grid(4, [] { return 2.0; });
-  std::string text = closedPath(grid.outline());
+  std::string text = closedPath(grid.outline()), circles;
   for (std::size_t k = 0; k < grid.slits.size(); ++k) {
     const auto& [a, b] = grid.slits[k];
     text += path(a, b, 9);
     const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
     // Round the end, or with the end on its near side.
     const Point centre = k % 2 ? end : Point(end + 0.5 * (grid.joints[k] - end).normalized());
-    text += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
+    circles += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
   }
-  const Reading reading =
-      read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
-  expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
-  EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
-  EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+  for (const char* colour : {"black", "blue"}) {
+    SCOPED_TRACE(colour);
+    const Reading reading =
+        read("a.svg", page(fmt::format("<g transform=\"translate(100,100)\">{}<g stroke=\"{}\">{}"
+                                       "</g></g>",
+                                       text, colour, circles)));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
+    EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+  }
 }
 
 TEST(CutPatterns, CurvedOutlinesAndCuts) {
