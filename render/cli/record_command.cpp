@@ -246,6 +246,7 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
     }
   }
   const bool isLikePeer = !order.peerSpelling.empty();
+  order.scene.alignment.movesStart = isLikePeer;
   if (isLikePeer) applyPeerDefaults(command);
   // The order's text holds the values of the scene file.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
