@@ -63,7 +63,7 @@ struct OptionDescription {
   std::string key;                 ///< its name in a scene file or a program, e.g. "thickness"
   std::string table;               ///< of a scene file; "" if no scene file can set it
   std::string group;               ///< heading in the help, e.g. "Bricks"
-  std::string unit;                ///< of the value, e.g. "METRES"; may be empty
+  std::string unit;                ///< of the value, e.g. "LENGTH"; may be empty
   std::string help;                ///< one phrase, with the default
   std::vector<std::string> words;  ///< the allowed values; empty if any value is allowed
   bool isSwitch = false;           ///< has no value

@@ -629,7 +629,9 @@ std::string deployDoc(const CommandDescription& program) {
          "on_sample is called with each Sample; the run ends if it returns False. Ctrl-C raises\n"
          "KeyboardInterrupt. A scene.toml in the model's folder is read, as by the program. "
          "Lengths\n"
-         "are metres, times simulated seconds, masses kilograms.\n" +
+         "of options are in the unit of the model, those of results in metres; times are "
+         "simulated\n"
+         "seconds, masses kilograms.\n" +
          optionsDoc(optionsWithout(commandNamed(program, "record"), optionsNotForRuns()));
 }
 

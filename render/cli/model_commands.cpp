@@ -226,7 +226,7 @@ int carryOut(const InspectOrder& order) {
   checkThickness(scene, warnings);
   printWarnings(warnings);
   // The needs of a run depend on the position of its start.
-  model::alignStartToTarget(scene.model);
+  if (scene.model.target) model::alignToStart(scene.model, *scene.model.target);
   const report::Inspection inspection = inspectWithProgress(scene);
   fmt::print("{}", order.printJson ? report::inspectionJson(inspection)
                                    : report::inspectionText(inspection));

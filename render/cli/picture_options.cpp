@@ -405,7 +405,7 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
       });
 }
 
-/// Lengths in metres, angles in degrees.
+/// Lengths in the model's unit, angles in degrees.
 void addCameraOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Camera", "camera");
   picture::CameraChoice& camera = look.camera;
@@ -418,7 +418,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
                "fraction of the picture left free on each side");
   group
-      .value("--distance", "METRES", "fitted", "distance of the eye, in perspective",
+      .value("--distance", "LENGTH", "fitted", "distance of the eye, in perspective",
              [&camera](const scene::TypedValue& typed) {
                camera.distance = scene::parseNumber(typed, {1e-9, 1e12});
              })

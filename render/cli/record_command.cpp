@@ -91,11 +91,12 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
 }
 
 constexpr const char* kPeerNote =
-    "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's\n"
-    "spellings work too: --model, --brick_thickness (-bt), --spring_stiffness (-ss),\n"
-    "--force_damping (-fd), --ground_plane (-gp), -gf, --headless, --no_collision\n"
-    "(--contacts unjoined), --filter_collision (--contacts none). They, and --like\n"
-    "pykirigami, select its dynamics, constants and collisions.\n\n";
+    "Lengths are in the unit of the model, times simulated seconds, masses\n"
+    "kilograms. PyKirigami's spellings work too: --model, --brick_thickness (-bt),\n"
+    "--spring_stiffness (-ss), --force_damping (-fd), --ground_plane (-gp), -gf,\n"
+    "--headless, --no_collision (--contacts unjoined), --filter_collision\n"
+    "(--contacts none). They, and --like pykirigami, select its dynamics, constants\n"
+    "and collisions.\n\n";
 
 /// Harmless faults are added to the warnings; all others throw.
 scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
@@ -245,6 +246,7 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
     }
   }
   const bool isLikePeer = !order.peerSpelling.empty();
+  order.scene.alignment.movesStart = isLikePeer;
   if (isLikePeer) applyPeerDefaults(command);
   // The order's text holds the values of the scene file.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });

@@ -139,7 +139,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   const auto length = [&group](const char* name, const char* defaultText, const char* help,
                                double& target) {
     group
-        .value(name, "METRES", defaultText, help,
+        .value(name, "LENGTH", defaultText, help,
                [&target](const scene::TypedValue& typed) {
                  target = scene::parseNumber(typed, {1e-12, 1e9});
                })
@@ -271,7 +271,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       });
   addStateOptions(group, settings);
   group
-      .value("--hinge-width", "METRES", "the model's, else tile size / 20",
+      .value("--hinge-width", "LENGTH", "the model's, else tile size / 20",
              "width of the necks in cut patterns (svg, dxf)",
              [&settings](const scene::TypedValue& typed) {
                settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
@@ -307,7 +307,7 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
       "  kirireel export out/tessellation_4x4 --format inp --joints neck --neck-width 0.1\n"
       "  kirireel export out/tessellation_4x4 --format vtu --states all\n"
       "  kirireel export out/tessellation_4x4 --format glb,svg --hinge-width 0.03\n\n"
-      "Lengths are metres, times simulated seconds.");
+      "Lengths are in the unit of the model, times simulated seconds.");
   return command;
 }
 
@@ -380,7 +380,7 @@ void addPlotOptions(OptionGroup& group, record::CurvesSettings& settings) {
       [&settings](const scene::TypedValue& typed) {
         const std::size_t colon = typed.text.rfind(':');
         if (colon == std::string::npos || colon + 1 == typed.text.size()) {
-          throw scene::valueError(typed, "a file and a column, as in data.csv:radius_m");
+          throw scene::valueError(typed, "a file and a column, as in data.csv:radius_mm");
         }
         settings.columns.push_back({typed.text.substr(0, colon), typed.text.substr(colon + 1)});
       });

@@ -77,10 +77,11 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
               })
       .serializedAs(
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
-  group.flag("--no-align", alignment.requested,
-             "keep the start at its position in the file, instead of moving it onto the target (by "
-             "its pinned tiles, if any)",
-             false);
+  group.flag(
+      "--no-align", alignment.requested,
+      "keep targets at their positions in the files, instead of moving each onto the start (by "
+      "its pinned tiles, if any)",
+      false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
               [&parts](const scene::TypedValue& typed) {

@@ -1032,12 +1032,12 @@ double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
   return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text);
 }
 
-/// Metres per newton with four digits, and the change in per cent.
-std::string lineOf(const std::string& name, double own, double finer) {
+/// Metres per newton, in the model's unit with four digits, and the change in per cent.
+std::string lineOf(const std::string& name, double own, double finer, const LengthUnit& unit) {
   return fmt::format(
-      "check: {}: 1 N at both ends moves them apart by {:.4g} m, {:.4g} m with elements half as "
+      "check: {}: 1 N at both ends moves them apart by {}, {} with elements half as "
       "long ({:+.2f}%)",
-      name, own, finer, 100 * (finer / own - 1));
+      name, lengthText(own, unit, 4), lengthText(finer, unit, 4), 100 * (finer / own - 1));
 }
 
 }  // namespace
@@ -1056,7 +1056,7 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
     const double own = openingOf(meshBy(settings.elements), settings.decks, origin);
     const double finer =
         openingOf(meshBy(halved(settings.elements, defaultCount)), settings.decks, origin);
-    lines.push_back(lineOf(name, own, finer));
+    lines.push_back(lineOf(name, own, finer, subject.model.unit));
   };
   if (settings.elements.joints == fea::JointStyle::Neck) {
     const auto meshBy = [&](const fea::ElementRule& rule) {

@@ -60,8 +60,14 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
-/// "0.1" or "0.1 to 0.2", metres: the range of one length over all necks.
-std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length) {
+/// "0.1 m" for a header, in the unit of the deck.
+std::string deckLength(double metres, const UnitScale& scale) {
+  return fmt::format("{} {}", deckNumber(metres * scale.length), scale.lengthName);
+}
+
+/// "0.1 m" or "0.1 to 0.2 m": the range of one length over all necks.
+std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length,
+                        const UnitScale& scale) {
   double least = mesh.rule.neck.*length, most = least;
   if (!mesh.neckShapes.empty()) least = most = mesh.neckShapes.front().shape.*length;
   for (const MeshNeck& neck : mesh.neckShapes) {
@@ -69,12 +75,13 @@ std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*len
     most = std::max(most, neck.shape.*length);
   }
   // Lengths from a drawing have noise in their last digits.
-  const std::string from = fmt::format("{:.6g}", least), to = fmt::format("{:.6g}", most);
-  return from == to ? from : from + " to " + to;
+  const std::string from = fmt::format("{:.6g}", least * scale.length);
+  const std::string to = fmt::format("{:.6g} {}", most * scale.length, scale.lengthName);
+  return to.starts_with(from + " ") ? to : from + " to " + to;
 }
 
 /// Appends the equivalent hinge stiffness of the necks, a check of the order of
-/// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
+/// magnitude: E modulus, t thickness, w width and L length of the necks, see
 /// sim/model/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                          double thickness) {
@@ -87,12 +94,15 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
   }
   if (found.empty()) return;
   const auto [least, most] = std::ranges::minmax(found);
-  const std::string stiffest = most > 1.0001 * least ? fmt::format(" to {:.4g}", most) : "";
+  const UnitScale scale = unitScale(settings.unit);
+  const std::string stiffest =
+      most > 1.0001 * least ? fmt::format(" to {:.4g}", most * scale.length) : "";
   appendText(
       text,
       "** In the sheet's plane a neck next to a closed slit is a rotational spring of {:.4g}{} N "
-      "m/rad\n** with E = {} Pa: {}.\n",
-      least, stiffest, deckNumber(settings.material.youngs),
+      "{}/rad\n** with E = {} {}: {}.\n",
+      least * scale.length, stiffest, scale.lengthName,
+      deckNumber(settings.material.youngs * scale.stress), scale.stressName,
       length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
                  : "what its two tiles give, as their corners' angles are");
 }
@@ -101,6 +111,7 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
 /// programs do not report (mechanisms, and forces on single nodes).
 void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                   const DeckOrigin& origin) {
+  const UnitScale scale = unitScale(settings.unit);
   text += "** A sheet of tiles as finite elements. No material and no step.\n";
   appendOrigin(text, origin, settings.unit);
   appendText(text,
@@ -122,23 +133,24 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
     // Sheets with necks have no ideal hinges, so the warnings below do not apply.
     appendText(
         text,
-        "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
-        "{} m,\n** kerf {} m.\n",
-        neckLengths(mesh, &writers::NeckShape::width),
-        neckLengths(mesh, &writers::NeckShape::length), deckNumber(mesh.rule.neck.radius),
-        neckLengths(mesh, &writers::NeckShape::kerf));
+        "** The flat start as it is cut, in one piece: necks {} wide and {} long, fillets of "
+        "{},\n** kerf {}.\n",
+        neckLengths(mesh, &writers::NeckShape::width, scale),
+        neckLengths(mesh, &writers::NeckShape::length, scale),
+        deckLength(mesh.rule.neck.radius, scale),
+        neckLengths(mesh, &writers::NeckShape::kerf, scale));
     appendNeckStiffness(text, mesh, settings, origin.thickness);
     return;
   }
   appendText(
       text,
-      "** Largest gap between corners that a joint holds together: {} m.\n"
+      "** Largest gap between corners that a joint holds together: {}.\n"
       "** WARNING: joints are ideal hinges, so the sheet is a mechanism. A linear static step "
       "that\n"
       "** holds too little of it ends without a warning and with meaningless displacements.\n",
-      deckNumber(mesh.largestGap));
+      deckLength(mesh.largestGap, scale));
   if (mesh.rule.joints == JointStyle::Patch) {
-    appendText(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
+    appendText(text, "** Patches have a radius of {}.\n", deckLength(mesh.rule.patchRadius, scale));
     if (mesh.springs.empty()) return;
     appendText(text,
                "** {} torsional springs connect patches. They rest in this state; jobs add the "
@@ -399,7 +411,7 @@ std::string oneLine(std::string text, std::size_t longest) {
 
 UnitScale unitScale(DeckUnit unit) {
   if (unit == DeckUnit::Model) return {};
-  return {1e3, 1e-6, 1e-12, "mm, N, t, s, MPa"};
+  return {1e3, 1e-6, 1e-12, "mm, N, t, s, MPa", "mm", "MPa"};
 }
 
 bool isReportableOverlap(double overlap, double thickness) {
@@ -432,11 +444,12 @@ void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit) {
       text, "** {}\n",
       oneLine(fmt::format("Model {}, state {}, at {} s.", origin.model, origin.state, origin.time),
               kLongestLine));
-  appendText(text, "** Written by {}. Units: {}; bricks {} m thick.\n", origin.writer,
-             unitScale(unit).words, deckNumber(origin.thickness));
+  const UnitScale scale = unitScale(unit);
+  appendText(text, "** Written by {}. Units: {}; bricks {} thick.\n", origin.writer, scale.words,
+             deckLength(origin.thickness, scale));
   appendText(text, "** {}\n", oneLine("Run: " + origin.run, kLongestLine));
-  appendText(text, "** Deepest overlap of two bricks in this state: {} m.\n",
-             deckNumber(origin.overlap));
+  appendText(text, "** Deepest overlap of two bricks in this state: {}.\n",
+             deckLength(origin.overlap, scale));
   if (!isReportableOverlap(origin.overlap, origin.thickness)) return;
   appendText(
       text,

@@ -53,8 +53,10 @@ struct UnitScale {
   double stress = 1;
   /// Deck units per kg/m^3: 1 or 1e-12.
   double density = 1;
-  /// For comments; a string literal.
+  /// For comments; string literals.
   const char* words = "m, N, kg, s, Pa";
+  const char* lengthName = "m";
+  const char* stressName = "Pa";
 };
 
 /// Tiles that a job moves as in the trajectory.

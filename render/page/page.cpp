@@ -519,6 +519,7 @@ Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
   Json statesOfPage = statesJson(run, content, states);
   Json curves = curvesJson(trajectory::curvesAt(trajectory::curvesOf(run), statesOfPage["times"]));
   return {{"name", subject.model.name},
+          {"unit", {{"name", subject.model.unit.name}, {"metres", subject.model.unit.metres}}},
           {"bricks", bricksJson(subject.bricks)},
           {"states", std::move(statesOfPage)},
           {"joints", joinsJson(content.pivots)},

@@ -118,9 +118,10 @@ std::vector<Vector3> pointsInView(const PictureContent& content, const Style& st
   return points;
 }
 
-/// A flat motion has parallel projection.
+/// The camera in metres. A flat motion has parallel projection.
 CameraChoice cameraFor(const Look& look, const PictureContent& content) {
   CameraChoice camera = look.camera;
+  if (camera.distance) *camera.distance *= content.unit.metres;
   if (camera.view || !content.view) return camera;
   camera.view = content.view->angles;
   const bool isStill = camera.keys.empty() && camera.orbit == 0;

@@ -582,7 +582,7 @@ void addTrajectory(py::module_& module) {
           [](const MemoryRun& run) {
             return cli::LoadedModel{run.reader.subject().model, {}, {}, {}, {}};
           },
-          "The model as it was deployed, moved onto its target.")
+          "The model as it was deployed, with its target moved onto the start.")
       .def("render", &render, "time"_a = py::none(), cli::renderDoc(cli::describeProgram()).c_str())
       .def("__repr__", &describe);
 }

@@ -105,10 +105,15 @@ std::string slugOf(const std::string& name) {
 
 /// "opening_mean_deg" as "opening_mean".
 std::string withoutUnit(const std::string& column) {
-  for (const char* unit : {"_m", "_m2", "_deg", "_J", "_N"}) {
-    if (column.ends_with(unit)) return column.substr(0, column.size() - std::strlen(unit));
+  std::vector<std::string> units = {"deg", "J", "N"};
+  for (const LengthUnit& unit : lengthUnits()) {
+    units.push_back(unit.name);
+    units.push_back(unit.name + "2");
   }
-  return column;
+  const std::size_t end = column.rfind('_');
+  const bool hasUnit =
+      end != std::string::npos && std::ranges::find(units, column.substr(end + 1)) != units.end();
+  return hasUnit ? column.substr(0, end) : column;
 }
 
 std::vector<std::string> wordsOf(const std::string& line) {
@@ -213,7 +218,7 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
 // The number of unstable modes is constant between turnings. A turning has the number of the part
 // that ends there.
 std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
-                                     double modelSize) {
+                                     double modelSize, const LengthUnit& unit) {
   const std::vector<mechanics::Equilibrium>& states = curve.states;
   std::vector<bool> isDashed;
   for (std::size_t k = 0; k + 1 < states.size(); ++k) {
@@ -229,7 +234,8 @@ std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::L
     std::vector<double> displacements, forces;
     double largest = 0;
     for (const mechanics::Equilibrium& state : states) {
-      displacements.push_back(state.displacements[g]);
+      displacements.push_back(isTurn ? state.displacements[g]
+                                     : inUnit(state.displacements[g], unit));
       forces.push_back(state.forces[g]);
       largest = std::max(largest, std::abs(state.displacements[g]));
     }
@@ -238,7 +244,8 @@ std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::L
     found.push_back(
         {name,
          {{isTurn ? "Moment" : "Force", isTurn ? "N m" : "N", false, {line}}},
-         {isTurn ? "rotation of the grip, rad" : "displacement of the grip, m", displacements},
+         {isTurn ? "rotation of the grip, rad" : "displacement of the grip, " + unit.name,
+          displacements},
          isDashed,
          true});
   }
@@ -252,7 +259,8 @@ std::vector<PlottedRun> selectedLoadCurves(const NamedRun& run, const CurvesSett
       settings.selected.empty() ||
       std::ranges::find(settings.selected, kLoadCurves) != settings.selected.end();
   if (!run.loadCurve || !isSelected) return {};
-  return loadCurvesOf(run.name, *run.loadCurve, model::modelSize(run.reader->subject().model));
+  const model::Model& model = run.reader->subject().model;
+  return loadCurvesOf(run.name, *run.loadCurve, model::modelSize(model), model.unit);
 }
 
 /// The selected curves except load curves.

@@ -107,8 +107,9 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
 
 /// The force of each grip that moves or pushes over its displacement, one curve per direction of a
 /// [[grip]]; moments over rotations. Dashed where the equilibria are unstable. `modelSize`: metres.
+/// Displacements are in `unit`.
 std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
-                                     double modelSize);
+                                     double modelSize, const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------
 // The curves of a run as files: a table, and figures.

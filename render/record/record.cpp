@@ -298,9 +298,10 @@ void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunS
 }
 
 /// The equilibria of a scene with grips.
-void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
+void writeLoadCurve(const RecordSettings& settings, const LengthUnit& unit, RunSummary& summary) {
   if (!summary.loadCurve) return;
-  writeTextFile(settings.folder / output::kLoadCurve, mechanics::loadTable(*summary.loadCurve));
+  writeTextFile(settings.folder / output::kLoadCurve,
+                mechanics::loadTable(*summary.loadCurve, unit));
   summary.files.emplace_back(output::kLoadCurve);
 }
 
@@ -463,7 +464,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   if (keepsTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
-  writeLoadCurve(settings, summary);
+  writeLoadCurve(settings, scene.model.unit, summary);
   if (settings.paints()) {
     const trajectory::TrajectoryReader trajectory(settings.folder / output::kTrajectory);
     checkInset(trajectory, observer, settings);

@@ -598,7 +598,7 @@ LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPat
 }
 
 // ------------------------------------------------------------------------------------------------
-// The table of a load path as text: one row per equilibrium, in SI units, with all digits.
+// The table of a load path as text: one row per equilibrium, with all digits.
 
 namespace {
 
@@ -627,20 +627,24 @@ std::string toString(Turning turning) {
 }
 
 // Numbers have the fewest digits that reproduce them exactly.
-std::string loadTable(const LoadCurve& curve) {
+std::string loadTable(const LoadCurve& curve, const LengthUnit& unit) {
   const GripName& leading = curve.grips[curve.leading];
-  std::string text = fmt::format("load,energy_J,{}_stiffness_{},unstable_modes,turning",
-                                 columnOf(leading), leading.isTurn ? "N_m_per_rad" : "N_per_m");
+  std::string text =
+      fmt::format("load,energy_J,{}_stiffness_{},unstable_modes,turning", columnOf(leading),
+                  leading.isTurn ? "N_m_per_rad" : "N_per_" + unit.name);
   for (const GripName& grip : curve.grips) {
     text += grip.isTurn ? fmt::format(",{0}_rad,{0}_moment_N_m", columnOf(grip))
-                        : fmt::format(",{0}_m,{0}_force_N", columnOf(grip));
+                        : fmt::format(",{0}_{1},{0}_force_N", columnOf(grip), unit.name);
   }
   text += '\n';
   for (const Equilibrium& state : curve.states) {
-    text += fmt::format("{},{},{},{},{}", state.load, state.energy, state.stiffness,
+    text += fmt::format("{},{},{},{},{}", state.load, state.energy,
+                        leading.isTurn ? state.stiffness : state.stiffness * unit.metres,
                         state.unstableModes, toString(state.turning));
     for (std::size_t g = 0; g < curve.grips.size(); ++g) {
-      text += fmt::format(",{},{}", state.displacements[g], state.forces[g]);
+      const double moved = state.displacements[g];
+      text += fmt::format(",{},{}", curve.grips[g].isTurn ? moved : inUnit(moved, unit),
+                          state.forces[g]);
     }
     text += '\n';
   }

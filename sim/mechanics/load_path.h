@@ -10,6 +10,7 @@
 #include <Eigen/SparseCore>
 
 #include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
 
 namespace kirireel::mechanics {
 
@@ -56,8 +57,9 @@ struct LoadCurve {
 };
 
 /// The table: one row per state with load, energy, stiffness, unstable modes, turning, and each
-/// grip's displacement and force. Numbers are exact when read back.
-std::string loadTable(const LoadCurve& curve);
+/// grip's displacement and force. Lengths are in `unit`, which the columns name. Numbers are exact
+/// when read back.
+std::string loadTable(const LoadCurve& curve, const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------
 // The interface of a sheet that a load path follows: its energy and constraints as functions of

@@ -114,25 +114,41 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
   return bestRigidMotion(from, to, evenWeights(from.size()));
 }
 
-// Fits the vertices of all tiles or of the held tiles, and moves all tiles.
+namespace {
+
+// Fits the vertices of all tiles or of the held tiles of `from` to those of `to`, and moves all
+// tiles of `from`. A motion in the plane of the model's flat start does not leave it.
+RigidMotion moveOnto(const std::vector<Tile>& to, std::span<const int> held, bool planar,
+                     const std::optional<SheetFrame>& frame, std::vector<Tile>& from) {
+  const auto points = [&](const std::vector<Tile>& tiles) {
+    return held.empty() ? allVertices(tiles) : verticesOf(tiles, held);
+  };
+  const RigidMotion motion = planar ? bestPlanarMotion(*frame, points(from), points(to))
+                                    : bestRigidMotion(points(from), points(to));
+  for (Tile& tile : from) {
+    for (Vector3& vertex : tile.vertices) vertex = motion.apply(vertex);
+  }
+  return motion;
+}
+
+}  // namespace
+
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};
-  const std::vector<Vector3> start = allVertices(model.tiles);
-  const std::vector<Vector3> target = allVertices(*model.target);
   const double tolerance = flatTolerance(model);
   // Both states must be flat: a folding sheet may start upside down.
   const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
   const bool planar = frame && isParallel(*frame, *model.target, tolerance);
-  const auto fit = [&](std::span<const Vector3> from, std::span<const Vector3> to) {
-    return planar ? bestPlanarMotion(*frame, from, to) : bestRigidMotion(from, to);
-  };
-  const RigidMotion motion =
-      held.empty() ? fit(start, target)
-                   : fit(verticesOf(model.tiles, held), verticesOf(*model.target, held));
-  for (Tile& tile : model.tiles) {
-    for (Vector3& vertex : tile.vertices) vertex = motion.apply(vertex);
-  }
-  return motion;
+  return moveOnto(*model.target, held, planar, frame, model.tiles);
+}
+
+RigidMotion alignToStart(const Model& model, std::vector<Tile>& state, std::span<const int> held) {
+  const double tolerance = flatTolerance(model);
+  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
+  // A flat state whose tiles all face the opposite side is turned over as a whole.
+  const bool isTurned = countTurnedOver(model.tiles, state) == static_cast<int>(model.tiles.size());
+  const bool planar = frame && !isTurned && isParallel(*frame, state, tolerance);
+  return moveOnto(model.tiles, held, planar, frame, state);
 }
 
 // ------------------------------------------------------------------------------------------------

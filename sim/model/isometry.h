@@ -33,10 +33,15 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
 
 /// Moves a model's start onto its target by the best rigid motion of all vertices together,
 /// as PyKirigami does. If some tiles are held at their position, only vertices of these
-/// `held` tiles count. If start and target each lie in a horizontal plane, the rotation is
-/// only about the vertical, without turning over. Returns the motion; identity without a
+/// `held` tiles count. If start and target lie in parallel planes, the rotation is
+/// only about their normal, without turning over. Returns the motion; identity without a
 /// target.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held = {});
+
+/// Moves a target state onto the model's start in the same way, and returns the motion. A flat
+/// state that lies upside down as a whole is turned over. `state` has the model's tiles.
+RigidMotion alignToStart(const Model& model, std::vector<Tile>& state,
+                         std::span<const int> held = {});
 
 // ------------------------------------------------------------------------------------------------
 // The symmetries of a model, and symmetric states.

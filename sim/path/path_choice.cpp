@@ -551,7 +551,7 @@ std::string rigidWarning(const scene::Scene& scene) {
       model::lengthInTiles(bound, scene.model, 3));
 }
 
-// Reports a start that was moved onto its target, if its position matters.
+// Reports a target that was moved onto the start, if its position matters.
 std::string movedWarning(const scene::Scene& scene) {
   const scene::StartAlignment& alignment = scene.alignment;
   const scene::Environment& environment = scene.environment;

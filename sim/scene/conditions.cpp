@@ -52,10 +52,10 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 //
 // An entry is read key by key, and the combination of keys is checked afterwards. There are
 // two keys for tiles, and two optional keys for a point of them. The grip either moves
-// (metres, degrees) or pushes (newtons, N m). A missing coordinate is free, while a coordinate
-// of 0 is fixed. x, y, z and turn are therefore optional values and not zeros. Numbers of
-// tiles and vertices are those of the model's file until numberAsModel() compares them with
-// the model.
+// (lengths in the model's unit, degrees) or pushes (newtons, N m). A missing coordinate is free,
+// while a coordinate of 0 is fixed. x, y, z and turn are therefore optional values and not zeros.
+// Numbers of tiles and vertices are those of the model's file until numberAsModel() compares them
+// with the model.
 
 namespace {
 
@@ -64,13 +64,13 @@ constexpr double kMostAmount = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
 
-// Metres and degrees, or newtons and N m.
+// Lengths in the model's unit and degrees, or newtons and N m.
 void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   const TomlTable* table = entry.value.table();
   grip.isForce = entry.key == "force";
   if (!table || table->empty()) {
     refuseValue(entry.value, grip.isForce ? "newtons and N m, {x = 1.5, y = 0, turn = 0.1}"
-                                          : "metres and degrees, {x = 0.1, y = 0, turn = 5}");
+                                          : "lengths and degrees, {x = 0.1, y = 0, turn = 5}");
   }
   for (const TomlEntry& amount : *table) {
     const auto read = [&] {

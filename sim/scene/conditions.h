@@ -53,7 +53,7 @@ struct GripSetting {
 /// Reads the [[grip]] entries of a scene file:
 ///
 ///     tile = NUMBER or tiles = [NUMBERS], for a part: vertex = NUMBER, or [one per tile], or
-///     edge = [NUMBER, NUMBER]; then one of move = {x = METRES, y = METRES, turn = DEGREES} and
+///     edge = [NUMBER, NUMBER]; then one of move = {x = LENGTH, y = LENGTH, turn = DEGREES} and
 ///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, each optional; z like x.
 ///
 /// Throws InputError with file:line:column for other entries.

@@ -25,9 +25,10 @@ double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule
 
 std::string describe(const StartAlignment& alignment, const LengthUnit& unit) {
   return fmt::format(
-      "the start was moved by up to {} and rotated by {:.3g} degrees to match its target{} (`align "
-      "= false` keeps its position)",
-      lengthText(alignment.moved, unit), alignment.turned / kDegree,
+      "the {} was moved by up to {} and rotated by {:.3g} degrees to match the {}{} (`align = "
+      "false` keeps its position)",
+      alignment.movesStart ? "start" : "target", lengthText(alignment.moved, unit),
+      alignment.turned / kDegree, alignment.movesStart ? "target" : "start",
       alignment.byHeld ? ", aligned at its pinned tiles" : "");
 }
 

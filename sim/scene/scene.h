@@ -227,18 +227,19 @@ struct StopRules {
   double settleTime = 0.25;   ///< ... for this many seconds
 };
 
-/// Rigid motion of the start onto the target before a run.
+/// Rigid motion of targets onto the start before a run, as the start stays where the model has it.
 struct StartAlignment {
-  bool requested = true;  ///< false: the start keeps its position in the model
-  bool byHeld = false;    ///< fitted only initially pinned tiles, not all
-  double moved = 0;       ///< largest displacement of a vertex, metres
-  double turned = 0;      ///< rotation of the whole, radians in [0, pi]
+  bool requested = true;    ///< false: targets keep their positions
+  bool movesStart = false;  ///< moves the start onto its target instead, as PyKirigami does
+  bool byHeld = false;      ///< fitted only initially pinned tiles, not all
+  double moved = 0;         ///< largest displacement of a vertex of target or start, metres
+  double turned = 0;        ///< rotation of the whole, radians in [0, pi]
 };
 
 /// All inputs of a run.
 struct Scene {
-  model::Model model;                       ///< its start is aligned, see completeScene()
-  StartAlignment alignment;                 ///< alignment of its start
+  model::Model model;                       ///< its target is aligned, see completeScene()
+  StartAlignment alignment;                 ///< alignment of start and target
   model::BrickRule brick;                   ///< makes bricks from tiles
   Environment environment;                  ///< gravity, ground, obstacles, contacts
   Actuation actuation;                      ///< drive of the bricks
@@ -281,8 +282,8 @@ struct Needs {
   }
 };
 
-/// "the start was moved by 1.2 m and turned by 90 degrees onto its target (`align = false` keeps
-/// its position)".
+/// "the target was moved by 1.2 m and rotated by 90 degrees to match the start (`align = false`
+/// keeps its position)".
 std::string describe(const StartAlignment& alignment, const LengthUnit& unit = {});
 
 /// A scene without a model, with the program's defaults. Path, contacts, drive and thickness (here

@@ -25,6 +25,9 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
                                           "stop",     "camera",      "style",     "recording",
                                           "timeline", "obstacle",    "velocity",  "grip"};
 
+/// Largest length, in any unit. It is a metre in nanometres.
+constexpr double kMostNumber = 1e9;
+
 /// A timeline's word for the model's own target.
 constexpr std::string_view kOwnTarget = "model";
 
@@ -33,16 +36,21 @@ std::vector<int> readTiles(const TomlValue& value, const std::string& allowed) {
   return readIndices(value, allowed, "a tile number");
 }
 
-// Three coordinates, metres (or degrees, for some callers).
-Vector3 readPoint(const TomlValue& value) {
+// Three numbers. `allowed` describes the list.
+Vector3 readNumbers(const TomlValue& value, const std::string& allowed) {
   const std::vector<TomlValue>* array = value.array();
-  if (!array || array->size() != 3) refuseValue(value, "a point [x, y, z]");
+  if (!array || array->size() != 3) refuseValue(value, allowed);
   Vector3 result;
   for (int k = 0; k < 3; ++k) {
-    result[k] =
-        requireNumber((*array)[k], -1e6, 1e6, "a coordinate in metres, at most 1e6 in size");
+    result[k] = requireNumber((*array)[k], -kMostNumber, kMostNumber,
+                              fmt::format("a number, at most {:g} in size", kMostNumber));
   }
   return result;
+}
+
+// In the unit of the model.
+Vector3 readPoint(const TomlValue& value) {
+  return readNumbers(value, "a point [x, y, z]");
 }
 
 // ---- timeline
@@ -173,8 +181,8 @@ const std::map<std::string, PartReader>& entryKeys() {
   static const std::map<std::string, PartReader> keys = {
       {"at", readAt},
       {"after", numberMoment(Trigger::Kind::After, kLongest, kSeconds)},
-      {"error_below",
-       numberMoment(Trigger::Kind::ErrorBelow, 1e6, "a number of metres, from 0 to 1e6")},
+      {"error_below", numberMoment(Trigger::Kind::ErrorBelow, kMostNumber,
+                                   "a length in the model's unit, from 0 to 1e9")},
       {"progress", numberMoment(Trigger::Kind::ProgressAbove, 1, "a share from 0 to 1")},
       {"pin", readPin},
       {"unpin", readUnpin},
@@ -227,7 +235,6 @@ Timeline readTimeline(const TomlValue& value) {
 
 // ---- obstacles
 
-constexpr double kFarthest = 1e6;  // metres
 // Each is a body of the broad phase. The number of faces of a mesh is not limited.
 constexpr std::size_t kMostObstacles = 1000;
 
@@ -246,13 +253,13 @@ const std::map<std::string, std::pair<Obstacle::Shape, std::string>>& obstacleSh
 
 Vector3 boxSize(const TomlValue& value) {
   const Vector3 size = readPoint(value);
-  if (!(size.minCoeff() > 0)) refuseValue(value, "three positive lengths in metres");
+  if (!(size.minCoeff() > 0)) refuseValue(value, "three positive lengths");
   return size;
 }
 
 /// Rotations about the world axes, x first, typed in degrees.
 Quaternion turn(const TomlValue& value) {
-  const Vector3 angles = kDegree * readPoint(value);
+  const Vector3 angles = kDegree * readNumbers(value, "three angles in degrees, [x, y, z]");
   // The rotation about x is applied first: it is on the right.
   return rotationFromVector({0, 0, angles.z()}) * rotationFromVector({0, angles.y(), 0}) *
          rotationFromVector({angles.x(), 0, 0});
@@ -270,7 +277,8 @@ void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
   if (entry.key == "size") {
     obstacle.size = boxSize(entry.value);
   } else if (entry.key == "radius") {
-    obstacle.radius = requireNumber(entry.value, 1e-9, kFarthest, "a positive length in metres");
+    obstacle.radius =
+        requireNumber(entry.value, 1e-15, kMostNumber, "a positive length in the model's unit");
   } else if (entry.key == "file") {
     obstacle.mesh = meshFaces(entry.value);
   } else if (entry.key == "position") {
@@ -332,15 +340,6 @@ std::vector<Obstacle> readObstacles(const TomlValue& value) {
 
 const std::vector<std::string> kVelocityKeys = {"tiles", "linear", "angular"};
 
-Vector3 readSpeeds(const TomlValue& value, const std::string& unit) {
-  const std::vector<TomlValue>* array = value.array();
-  const std::string allowed = fmt::format("three numbers in {}, [x, y, z]", unit);
-  if (!array || array->size() != 3) refuseValue(value, allowed);
-  Vector3 result;
-  for (int k = 0; k < 3; ++k) result[k] = requireNumber((*array)[k], -1e6, 1e6, allowed);
-  return result;
-}
-
 InitialVelocity readVelocity(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table) refuseValue(value, "tables, each under [[velocity]]");
@@ -350,16 +349,17 @@ InitialVelocity readVelocity(const TomlValue& value) {
     if (entry.key == "tiles") {
       velocity.tiles = readTiles(entry.value, "a list of tile numbers, [0, 1]");
     } else if (entry.key == "linear") {
-      velocity.linear = readSpeeds(entry.value, "m/s");
+      velocity.linear = readNumbers(entry.value, "three lengths per second, [x, y, z]");
     } else if (entry.key == "angular") {
-      velocity.angular = readSpeeds(entry.value, "rad/s");
+      velocity.angular = readNumbers(entry.value, "three numbers in rad/s, [x, y, z]");
     } else {
       refuseKey(entry, "key of a velocity", kVelocityKeys);
     }
   }
   if (find(*table, "linear") || find(*table, "angular")) return velocity;
-  throw inputErrorAt(value.where,
-                     "a velocity needs linear = [x, y, z] in m/s, angular in rad/s, or both");
+  throw inputErrorAt(
+      value.where,
+      "a velocity needs linear = [x, y, z] in lengths per second, angular in rad/s, or both");
 }
 
 std::vector<InitialVelocity> readVelocities(const TomlValue& value) {

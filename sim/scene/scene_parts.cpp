@@ -167,17 +167,31 @@ std::vector<int> heldTiles(const Timeline& timeline) {
   return held;
 }
 
-// Records displacement and rotation of the start, for the summary.
+// Each state of a chain and each target of the timeline is moved onto the start on its own. Records
+// displacement and rotation, for the summary.
 void align(Scene& scene, const std::vector<int>& held) {
-  const std::vector<model::Tile> before = scene.model.tiles;
-  const model::RigidMotion motion = model::alignStartToTarget(scene.model, held);
-  scene.alignment.byHeld = scene.model.target.has_value() && !held.empty();
-  scene.alignment.turned = Eigen::AngleAxisd(motion.rotation).angle();
-  scene.alignment.moved = 0;
+  model::Model& model = scene.model;
+  StartAlignment& alignment = scene.alignment;
+  alignment.byHeld = model.target.has_value() && !held.empty();
+  alignment.turned = alignment.moved = 0;
+  if (!alignment.movesStart) {
+    for (std::vector<model::Tile>& state : model.waypoints) model::alignToStart(model, state, held);
+    for (TimelineEntry& entry : scene.timeline) {
+      auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+      if (goTo && !goTo->tiles.empty()) model::alignToStart(model, goTo->tiles, held);
+    }
+  }
+  if (!model.target) return;
+  std::vector<model::Tile>& moving = alignment.movesStart ? model.tiles : *model.target;
+  const std::vector<model::Tile> before = moving;
+  const model::RigidMotion motion = alignment.movesStart
+                                        ? model::alignStartToTarget(model, held)
+                                        : model::alignToStart(model, *model.target, held);
+  alignment.turned = Eigen::AngleAxisd(motion.rotation).angle();
   for (std::size_t i = 0; i < before.size(); ++i) {
     for (std::size_t k = 0; k < before[i].vertices.size(); ++k) {
-      const double moved = (scene.model.tiles[i].vertices[k] - before[i].vertices[k]).norm();
-      scene.alignment.moved = std::max(scene.alignment.moved, moved);
+      const double moved = (moving[i].vertices[k] - before[i].vertices[k]).norm();
+      alignment.moved = std::max(alignment.moved, moved);
     }
   }
 }
@@ -223,20 +237,27 @@ void moveBy(const Vector3& move, std::vector<model::Tile>& tiles) {
   }
 }
 
-/// Moves a distant model to the origin, with everything that has a position. A start that will be
-/// aligned to its target is moved independently.
+/// Moves a distant model to the origin, with everything that has a position. States that will be
+/// aligned are moved independently.
 void moveToOrigin(Scene& scene, std::vector<std::string>& warnings) {
   model::Model& model = scene.model;
-  const bool isAligned = scene.alignment.requested && model.target;
-  const Vector3 move = -farMiddle(isAligned ? *model.target : model.tiles);
-  moveBy(isAligned ? Vector3(-farMiddle(model.tiles)) : move, model.tiles);
+  const StartAlignment& alignment = scene.alignment;
+  const bool movesStart = alignment.requested && alignment.movesStart && model.target;
+  const bool movesTargets = alignment.requested && !alignment.movesStart;
+  const Vector3 move = -farMiddle(movesStart ? *model.target : model.tiles);
+  moveBy(movesStart ? Vector3(-farMiddle(model.tiles)) : move, model.tiles);
+  const auto moveTarget = [&](std::vector<model::Tile>& state) {
+    moveBy(movesTargets ? Vector3(-farMiddle(state)) : move, state);
+  };
+  if (model.target) moveTarget(*model.target);
+  for (std::vector<model::Tile>& state : model.waypoints) moveTarget(state);
+  for (TimelineEntry& entry : scene.timeline) {
+    if (auto* goTo = std::get_if<timeline::GoTo>(&entry.action)) moveTarget(goTo->tiles);
+  }
   if (move.isZero(0)) return;
-  if (model.target) moveBy(move, *model.target);
-  for (std::vector<model::Tile>& state : model.waypoints) moveBy(move, state);
   if (scene.environment.ground) scene.environment.ground->height += move.z();
   for (Obstacle& obstacle : scene.environment.obstacles) obstacle.pose.position += move;
   for (TimelineEntry& entry : scene.timeline) {
-    if (auto* goTo = std::get_if<timeline::GoTo>(&entry.action)) moveBy(move, goTo->tiles);
     if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
       for (Vector3& point : drag->path) point += move;
     }

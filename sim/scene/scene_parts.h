@@ -21,7 +21,7 @@ struct SceneParts {
   std::vector<std::array<int, 4>> links;       ///< tile, vertex, tile, vertex
 };
 
-/// Completes a scene with a newly read model. Reads targets. Aligns the start to the target unless
+/// Completes a scene with a newly read model. Reads targets. Moves targets onto the start unless
 /// scene.alignment is off, by the initially pinned tiles or, without these, by all tiles. Records
 /// this motion. Adds joints and pins, reads the targets of the timeline and the file of hinges.
 /// Checks the grips and the timeline against the model. Adds warnings for targets that are not

@@ -162,7 +162,7 @@ SettingGroup brickSettings() {
   return {"Bricks",
           "model",
           {specialNumber(
-               "thickness", "METRES", "0.02 of the mean edge", "thickness of the bricks",
+               "thickness", "LENGTH", "0.02 of the mean edge", "thickness of the bricks",
                [](Scene& scene, const TypedValue& typed) {
                  scene.brick.thickness = parseNumber(typed, {1e-15, 1e9});
                },
@@ -276,7 +276,7 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        special(
            "hinge_neck", "[WIDTH,LENGTH,]E[,NU]", "",
-           "necks at all corners instead of a stiffness: metres, metres (both absent: the "
+           "necks at all corners instead of a stiffness: two lengths (both absent: the "
            "model's own necks), Young's modulus in Pa and Poisson's ratio (0.3), as thick as the "
            "bricks",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.neck = parseNeck(typed); },
@@ -288,7 +288,7 @@ SettingGroup hingeSettings() {
            .with(hasNecks, "`hinge_neck`"),
        special(
            "ligament_stiffness", "STRETCH,SHEAR,LENGTH", "",
-           "ligaments of this stiffness (N/m, N/m) and length (metres) at all corners; "
+           "ligaments of this stiffness (N/m, N/m) and length at all corners; "
            "`hinge_stiffness` is their stiffness in bending; in the plane",
            [](Scene& scene, const TypedValue& typed) {
              scene.hinges.ligament = parseLigament(typed);
@@ -302,7 +302,7 @@ SettingGroup hingeSettings() {
            "panels", "E[,NU[,LENGTH]]", "",
            "elastic tiles: with [[grip]] they stretch and bend (bars and hinges), in motion they "
            "bend if `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and "
-           "the length scale of folds in metres, which gives their stiffness",
+           "the length scale of folds, which gives their stiffness",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
              return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";

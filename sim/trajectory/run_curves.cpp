@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A curve that depends only on poses: its column in tables, and its channel.
+/// A curve that depends only on poses: its column in tables, in metres, and its channel.
 struct ShapeCurve {
   const char* column;
   const char* channel;
@@ -220,8 +220,9 @@ bool CurveGroup::hasValues() const {
   return std::ranges::any_of(curves, &Curve::hasValues);
 }
 
-// The shape's groups come first, in the order of their table.
-std::vector<CurveGroup> curveGroups() {
+// The shape's groups come first, in the order of their table. Names of metres are replaced by those
+// of the unit at the end.
+std::vector<CurveGroup> curveGroups(const LengthUnit& unit) {
   std::vector<CurveGroup> groups = {
       {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
       {"Area", "m²", false, {{"hull"}, {"covered"}}},
@@ -261,6 +262,13 @@ std::vector<CurveGroup> curveGroups() {
       {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
       {"Radius", "m", false, {{"radius", "radius_m"}}}};
   groups.insert(groups.end(), more.begin(), more.end());
+  for (CurveGroup& group : groups) {
+    group.lengthPower = group.unit == "m" ? 1 : group.unit == "m²" ? 2 : 0;
+    if (group.lengthPower == 0) continue;
+    group.unit.replace(0, 1, unit.name);
+    for (Curve& curve : group.curves)
+      curve.column.replace(curve.column.rfind("_m") + 1, 1, unit.name);
+  }
   return groups;
 }
 
@@ -270,7 +278,9 @@ std::unique_ptr<SampleMeter> makeCurveMeter(const Subject& subject) {
 
 RunCurves curvesOf(const TrajectoryReader& run) {
   const Subject& subject = run.subject();
-  RunCurves result{run.times(), curveGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
+  const LengthUnit& unit = subject.model.unit;
+  RunCurves result{run.times(), curveGroups(unit),
+                   emptyJointCurves(subject.model, run.hasMechanics())};
   ShapeMeter meter(subject);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
     const Sample at = run.sample(k);
@@ -287,7 +297,8 @@ RunCurves curvesOf(const TrajectoryReader& run) {
          subject.model.joints.empty() ? kNone : at.jointGap, at.penetration, radiusOf(tiles)});
     auto value = values.begin();
     for (CurveGroup& group : result.groups) {
-      for (Curve& curve : group.curves) curve.values.push_back(*value++);
+      const LengthUnit power{"", std::pow(unit.metres, group.lengthPower)};
+      for (Curve& curve : group.curves) curve.values.push_back(inUnit(*value++, power));
     }
     appendJoints({joints, shape.end()}, at.mechanics, result.joints);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
 #include "sim/model/model.h"
@@ -18,7 +19,7 @@ namespace kirireel::trajectory {
 /// One quantity over time.
 struct Curve {
   std::string name;            ///< one short phrase, such as "width"
-  std::string column;          ///< in tables, with its unit, such as "width_m"
+  std::string column;          ///< in tables, with its unit, such as "width_mm"
   std::vector<double> values;  ///< one per sample; NaN if undefined
 
   /// Whether any value is a number.
@@ -28,9 +29,10 @@ struct Curve {
 /// Curves with the same unit, for one diagram.
 struct CurveGroup {
   std::string name;            ///< one short phrase, such as "Size"
-  std::string unit;            ///< "m", "degrees", ...; may be empty
+  std::string unit;            ///< "mm", "degrees", ...; may be empty
   bool isLogarithmic = false;  ///< values may fall over many decades
   std::vector<Curve> curves;   ///< one or more
+  int lengthPower = 0;         ///< of the length in its values: 1 of lengths, 2 of areas, else 0
 
   /// Whether any curve has any value.
   bool hasValues() const;
@@ -39,12 +41,12 @@ struct CurveGroup {
 /// All curves of a run.
 struct RunCurves {
   std::vector<double> times;  ///< of the samples, simulated seconds
-  /// Always the same groups and curves in the same order:
+  /// Always the same groups and curves in the same order. L is the unit of the model:
   ///
-  ///     Size              width, height, depth: the box around the tiles along x, y, z; m
+  ///     Size              width, height, depth: the box around the tiles along x, y, z; L
   ///     Area              hull: within the convex outline seen along the normal of a sheet that
-  ///                       starts flat, else along z; covered: by tiles that lie flat; m^2
-  ///     Hull perimeter    of that outline, m
+  ///                       starts flat, else along z; covered: by tiles that lie flat; L^2
+  ///     Hull perimeter    of that outline, L
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()
   ///     Opening           of the joints, see openingAngles(): least, mean, largest; degrees
@@ -55,9 +57,9 @@ struct RunCurves {
   ///     Lost energy       taken so far by dampers, by contacts and by the integrator, J
   ///     Joint force       mean and largest, and the largest of those that are indeterminate, N
   ///     Force on held tiles   the largest of a pin, of a grip and of a contact, N
-  ///     Target error      largest, as in samples, and mean of the vertices, m
-  ///     Joint gap, Overlap    as in samples, m
-  ///     Radius            largest distance of a vertex from the mean of all, m
+  ///     Target error      largest, as in samples, and mean of the vertices, L
+  ///     Joint gap, Overlap    as in samples, L
+  ///     Radius            largest distance of a vertex from the mean of all, L
   std::vector<CurveGroup> groups;
   /// For each joint its opening in degrees, the magnitude of its force in newtons and whether that
   /// is indeterminate (1): opening_J_deg, joint_force_J_N, joint_force_J_indeterminate. J counts as
@@ -65,8 +67,8 @@ struct RunCurves {
   std::vector<Curve> joints;
 };
 
-/// The groups of all runs, without values.
-std::vector<CurveGroup> curveGroups();
+/// The groups of all runs, without values, with lengths in this unit.
+std::vector<CurveGroup> curveGroups(const LengthUnit& unit = {});
 
 /// Message for a run without energies and forces.
 inline constexpr const char* kNoMechanics =

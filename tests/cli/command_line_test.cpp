@@ -330,7 +330,7 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
 TEST(CommandLine, HelpTeaches) {
   const std::string help = page({"record", "--help", "all"});
   for (const char* part :
-       {"Usage: kirireel record", "--thickness METRES", "thickness of the bricks",
+       {"Usage: kirireel record", "--thickness LENGTH", "thickness of the bricks",
         "Examples:", "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
     EXPECT_THAT(help, HasSubstr(part));
   }

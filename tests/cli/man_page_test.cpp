@@ -57,7 +57,7 @@ TEST(ManPages, ShowEveryOptionWithItsHelp) {
     EXPECT_THAT(page, HasSubstr(option.names.back())) << option.key;
     EXPECT_THAT(page, HasSubstr(option.help.substr(0, 40))) << option.key;
   }
-  EXPECT_THAT(page, HasSubstr("--thickness METRES"));
+  EXPECT_THAT(page, HasSubstr("--thickness LENGTH"));
   EXPECT_THAT(page, HasSubstr("kirireel 1.2.3"));
 }
 

@@ -88,17 +88,17 @@ TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
   EXPECT_GT(summary_["accuracy"]["time_error"].get<double>(), 0);
 }
 
-TEST_F(Targets, AMovedStartIsReported) {
+TEST_F(Targets, AMovedTargetIsReported) {
   model::Model model = model::makeTessellation({});
   for (model::Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 1;
   }
   const ProgramEnd moved = simulate(model, {"--duration", "0.1", "--verbose"});
-  EXPECT_THAT(moved.out, HasSubstr("the start was moved by up to "));
+  EXPECT_THAT(moved.out, HasSubstr("the target was moved by up to "));
   EXPECT_GE(summary_["alignment"]["moved"].get<double>(), 1);
   EXPECT_EQ(summary_["alignment"]["by"], "all tiles");
   const ProgramEnd kept = simulate(model, {"--duration", "0.1", "--no-align", "--verbose"});
-  EXPECT_THAT(kept.out, Not(HasSubstr("the start was moved")));
+  EXPECT_THAT(kept.out, Not(HasSubstr("the target was moved")));
   EXPECT_TRUE(summary_["alignment"].is_null());
 }
 

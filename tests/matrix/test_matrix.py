@@ -284,10 +284,10 @@ def grips(place, t, out):
 def curves(place, t, out):
     run("curves", ofRun(place, t, out), "--out", out + "c")
     row = list(csv.DictReader(open(os.path.join(out + "c", "curves.csv"))))[-1]
+    unit = unitOf(t)
     at = lambda name: float(row[name] or "nan")
-    unit = metres(t) / t.scale  # curves are in metres
-    return {"areas": [at("hull_area_m2") / unit**2, at("covered_area_m2") / unit**2],
-            "lengths": [at("hull_perimeter_m") / unit],
+    return {"areas": [at(f"hull_area_{unit}2"), at(f"covered_area_{unit}2")],
+            "lengths": [at(f"hull_perimeter_{unit}")],
             "numbers": [at("porosity"), at("opening_mean_deg")]}
 
 
@@ -401,9 +401,17 @@ def planar(place, t, out):
     return {"lengths": sides, "numbers": [report["start"]["mobility"]["plane"]["degrees_of_freedom"]]}
 
 
+# Of the program.
+UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+
+
+def unitOf(t):
+    return t.options[t.options.index("--unit") + 1] if "--unit" in t.options else "m"
+
+
 def metres(t):
     """The factor by which lengths in metres change."""
-    return 1.0 if "--unit" in t.options else t.scale
+    return t.scale * UNITS[unitOf(t)]
 
 
 COMMANDS = [

@@ -62,7 +62,7 @@ class Options(unittest.TestCase):
         self.assertEqual(run.outcome, "out_of_time")
 
     def test_have_docstrings_with_units(self):
-        self.assertIn("thickness (METRES): thickness of the bricks", kirireel.deploy.__doc__)
+        self.assertIn("thickness (LENGTH): thickness of the bricks", kirireel.deploy.__doc__)
         self.assertIn("length (METRES): of a tile along x", kirireel.generate.__doc__)
         self.assertIn("view (WORD|AZ,EL[,ROLL])", kirireel.Trajectory.render.__doc__)
 

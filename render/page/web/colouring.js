@@ -1,10 +1,10 @@
 "use strict";
 // Colours by the measures of each brick, as in render/picture/state_painter.cpp.
 
-/** {name, unit, valueOf(stage, brick), mostOf(run)} of each measure. */
+/** {name, unit, valueOf(stage, brick), mostOf(run)} of each measure. Without a unit: lengths, metres. */
 const MEASURES = {
   displacement: {
-    name: "displacement", unit: "m",
+    name: "displacement",
     valueOf: (stage, brick) => displacement(stage.start, stage.drawing.poses, brick),
     mostOf: (run) => largestOfRun(run, displacement),
   },
@@ -14,12 +14,12 @@ const MEASURES = {
     mostOf: (run) => largestOfRun(run, rotation),
   },
   error: {
-    name: "distance from the target", unit: "m",
+    name: "distance from the target",
     valueOf: (stage, brick) => stage.measured(stage.run.errors, brick),
     mostOf: (run) => run.errors.most,
   },
   gap: {
-    name: "joint gap", unit: "m",
+    name: "joint gap",
     valueOf: (stage, brick) => stage.measured(stage.run.gaps, brick),
     mostOf: (run) => run.gaps.most,
   },
@@ -80,8 +80,9 @@ class Colouring {
     this.most = Math.max(...this.stages.map(({ run }) => this.measure.mostOf(run))) || 1;
     for (const box of this.boxes) {
       box.innerHTML = `<span></span><span class="bar"></span><span class="ends"><span>0</span><span></span></span>`;
-      box.firstChild.textContent = `${this.measure.name}, ${this.measure.unit}`;
-      box.querySelector(".ends").lastChild.textContent = numberText(this.most);
+      const unit = this.measure.unit ? { name: this.measure.unit, metres: 1 } : this.stages[0].run.unit;
+      box.firstChild.textContent = `${this.measure.name}, ${unit.name}`;
+      box.querySelector(".ends").lastChild.textContent = numberText(this.most / unit.metres);
     }
   }
 

@@ -138,6 +138,7 @@ async function unpackRun(data) {
   const { states } = data;
   return {
     name: data.name,
+    unit: data.unit,
     views: data.views,
     plate: data.plate,
     bricks,
@@ -288,9 +289,9 @@ class Stage {
   /** Text about a brick. */
   wordsOf(brick) {
     const words = [`Tile ${brick}`];
-    const { errors, gaps } = this.run;
-    if (errors) words.push(`${lengthText(this.measured(errors, brick))} from its target`);
-    words.push(`joint gap ${lengthText(this.measured(gaps, brick))}`);
+    const { errors, gaps, unit } = this.run;
+    if (errors) words.push(`${lengthText(this.measured(errors, brick), unit)} from its target`);
+    words.push(`joint gap ${lengthText(this.measured(gaps, brick), unit)}`);
     return words.join(", ");
   }
 
@@ -301,9 +302,10 @@ class Stage {
   }
 }
 
-/** A length with two digits, in metres. */
-function lengthText(metres) {
-  if (metres === 0) return "0 m";
-  const text = metres >= 1e-3 && metres < 1e4 ? Number(metres.toPrecision(2)) : metres.toExponential(1);
-  return `${text} m`.replace("-", "−");
+/** A length with two digits, in the unit {name, metres}. */
+function lengthText(metres, unit) {
+  const length = metres / unit.metres;
+  const isPlain = length === 0 || (length >= 1e-3 && length < 1e4);
+  const text = isPlain ? Number(length.toPrecision(2)) : length.toExponential(1);
+  return `${text} ${unit.name}`.replace("-", "−");
 }

@@ -300,6 +300,11 @@ TEST(Deck, ReportsWhereItComesFromAndWhatIdealHingesDo) {
   EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("overlap of two bricks in this state: 0. m.\n"));
+  const std::string inMillimetres =
+      fea::meshDeck(mesh, {.unit = fea::DeckUnit::MillimetresNewtons}, kOrigin);
+  EXPECT_THAT(inMillimetres, HasSubstr("Units: mm, N, t, s, MPa; bricks 20"));
+  EXPECT_THAT(inMillimetres, HasSubstr(" mm thick.\n"));
+  EXPECT_THAT(inMillimetres, Not(HasSubstr(" m.\n")));
   EXPECT_THAT(textOf(mesh), Not(HasSubstr("WARNING: bricks overlap")));
   fea::DeckOrigin overlapping = kOrigin;
   overlapping.overlap = 0.01;

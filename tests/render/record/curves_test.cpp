@@ -78,6 +78,15 @@ TEST(LoadCurves, AreForcesOverDisplacements) {
   EXPECT_THAT(runs[1].groups[0].curves[0].values, ElementsAre(0, 6, 8, 6, 0));
 }
 
+TEST(LoadCurves, HaveTheUnitOfTheModel) {
+  const LengthUnit unit = *findLengthUnit("mm");
+  const std::vector<record::PlottedRun> runs =
+      record::loadCurvesOf("run", someLoadCurve(), 1, unit);
+  EXPECT_EQ(runs[0].abscissa.title, "displacement of the grip, mm");
+  EXPECT_THAT(runs[0].abscissa.values, ElementsAre(0, 500, 1000, 1500, 2000));
+  EXPECT_EQ(runs[1].abscissa.values.back(), someLoadCurve().states.back().displacements[2]);
+}
+
 // The path back: a turning ends the part whose number of unstable modes it has.
 TEST(LoadCurves, AreDashedBetweenTurnings) {
   mechanics::LoadCurve curve = someLoadCurve();

@@ -87,7 +87,7 @@ TEST(TargetWarnings, AMovedStartIsReportedIfItsPositionMatters) {
   EXPECT_THAT(path::targetWarnings(scene), IsEmpty());
   scene.environment.ground = scene::Ground{};
   EXPECT_THAT(path::targetWarnings(scene),
-              ElementsAre(StartsWith("the start was moved by up to 2 m")));
+              ElementsAre(StartsWith("the target was moved by up to 2 m")));
 }
 
 TEST(TargetWarnings, ARunToATargetWithOpenJointsWarnsAtItsStartAndDoesNotArrive) {

@@ -232,7 +232,7 @@ TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
               HasSubstr("error: a sphere has no size. "));
   EXPECT_THAT(refusal("[[obstacle]]\nshape = \"box\"\nsize = [1, 0, 1]\n"),
               HasSubstr("scene.toml:3:8: error: this value is not allowed; give three positive "
-                        "lengths in metres"));
+                        "lengths"));
   EXPECT_THROW(read("[[obstacle]]\nshape = \"mesh\"\nfile = \"no.obj\"\n"), InputError);
   EXPECT_THAT(refusal("[obstacle]\nshape = \"box\"\n"),
               HasSubstr("give tables, each under [[obstacle]]"));
@@ -250,9 +250,10 @@ TEST_F(SceneFileTest, ReadsSpeedsOfTheStart) {
 }
 
 TEST_F(SceneFileTest, RefusesSpeedsThatAreNone) {
-  EXPECT_THAT(refusal("[[velocity]]\ntiles = [0]\n"),
-              HasSubstr("needs linear = [x, y, z] in m/s, angular in rad/s, or both"));
-  EXPECT_THAT(refusal("[[velocity]]\nlinear = [1, 2]\n"), HasSubstr("three numbers in m/s"));
+  EXPECT_THAT(
+      refusal("[[velocity]]\ntiles = [0]\n"),
+      HasSubstr("needs linear = [x, y, z] in lengths per second, angular in rad/s, or both"));
+  EXPECT_THAT(refusal("[[velocity]]\nlinear = [1, 2]\n"), HasSubstr("three lengths per second"));
   EXPECT_THAT(refusal("[[velocity]]\nlinaer = [1, 2, 3]\n"), HasSubstr("linear"));
   EXPECT_THAT(refusal("[velocity]\nlinear = [1, 2, 3]\n"), HasSubstr("[[velocity]]"));
 }

@@ -1,5 +1,7 @@
 #include "sim/scene/scene_parts.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,6 +41,7 @@ TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
   const model::Model open = model::makeTessellation(shape);
   model::writeTiles(open.tiles, folder_ / "open.txt");
   parts_.targets = {folder_ / "open.txt"};
+  scene_.alignment.requested = false;
   complete();
   EXPECT_EQ(scene_.model.target->at(3).vertices, open.tiles[3].vertices);
   EXPECT_TRUE(scene_.timeline.empty());
@@ -80,7 +83,7 @@ double targetDistance(const model::Model& model, int tile) {
   return largest;
 }
 
-TEST_F(ScenePartsTest, AStartIsMovedOntoItsTargetByWhatIsPinned) {
+TEST_F(ScenePartsTest, ATargetIsMovedOntoTheStartByWhatIsPinned) {
   const std::vector<model::Tile> before = scene_.model.tiles;
   scene::SceneParts parts;
   parts.pinned = {0};
@@ -113,7 +116,7 @@ TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
   EXPECT_FALSE(freed.alignment.byHeld);
 }
 
-TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
+TEST_F(ScenePartsTest, ATargetStaysInItsPlaceOnRequest) {
   const std::vector<model::Tile> before = scene_.model.tiles;
   for (model::Tile& tile : *scene_.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() -= 1;
@@ -127,8 +130,63 @@ TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
   scene_.alignment.requested = true;
   complete();
   EXPECT_GE(scene_.alignment.moved, 1);
-  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
+  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the target was moved by up to "));
   EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("(`align = false` keeps its position)"));
+}
+
+/// The tiles, rotated and moved far from their first position.
+std::vector<model::Tile> elsewhere(std::vector<model::Tile> tiles, double angle) {
+  const Quaternion turn(Eigen::AngleAxisd(angle, Vector3(1, -2, 0.5).normalized()));
+  for (model::Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = turn * vertex + Vector3(30, -20, 10);
+  }
+  return tiles;
+}
+
+/// The largest distance of corresponding vertices.
+double distance(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < a[i].vertices.size(); ++k) {
+      largest = std::max(largest, (a[i].vertices[k] - b[i].vertices[k]).norm());
+    }
+  }
+  return largest;
+}
+
+// Invariant: the positions of targets in their files do not matter, and the start keeps its own.
+TEST_F(ScenePartsTest, EveryTargetIsMovedOntoTheStart) {
+  scene::Scene plain = scene_;
+  scene::completeScene({}, plain, warnings_);
+  const std::vector<model::Tile> start = scene_.model.tiles, target = *scene_.model.target;
+  model::writeTiles(elsewhere(target, 1), folder_ / "a.txt");
+  model::writeTiles(elsewhere(target, std::numbers::pi), folder_ / "b.txt");
+  parts_.targets = {folder_ / "a.txt", folder_ / "b.txt"};
+  complete();
+  EXPECT_EQ(distance(scene_.model.tiles, start), 0);
+  EXPECT_LT(distance(*scene_.model.target, *plain.model.target), 1e-13);
+  const auto& goTo = std::get<scene::timeline::GoTo>(scene_.timeline[0].action);
+  EXPECT_LT(distance(goTo.tiles, *plain.model.target), 1e-13);
+}
+
+// A flat target that lies upside down is the same target.
+TEST_F(ScenePartsTest, ATargetUpsideDownIsTurnedOver) {
+  scene::Scene plain = scene_;
+  scene::completeScene({}, plain, warnings_);
+  for (model::Tile& tile : *scene_.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex = {vertex.x(), -vertex.y(), 2 - vertex.z()};
+  }
+  complete();
+  EXPECT_LT(distance(*scene_.model.target, *plain.model.target), 1e-13);  // measured below 1e-14
+}
+
+TEST_F(ScenePartsTest, PyKirigamisRuleMovesTheStart) {
+  const std::vector<model::Tile> target = *scene_.model.target;
+  scene_.model.tiles = elsewhere(scene_.model.tiles, 1);
+  scene_.alignment.movesStart = true;
+  complete();
+  EXPECT_EQ(distance(*scene_.model.target, target), 0);
+  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
 }
 
 TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {

@@ -89,6 +89,16 @@ TEST(Loading, LeavesATable) {
             run.loadCurve->states.size() + 1);
 }
 
+TEST(Loading, HasTheUnitOfTheModelInItsTable) {
+  mechanics::LoadCurve curve;
+  curve.grips = {{"grip 1 x", false}, {"grip 1 turn", true}};
+  curve.states = {
+      {.load = 1, .energy = 2, .displacements = {0.25, 0.5}, .forces = {3, 4}, .stiffness = 16}};
+  EXPECT_EQ(mechanics::loadTable(curve, *findLengthUnit("mm")),
+            "load,energy_J,grip_1_x_stiffness_N_per_mm,unstable_modes,turning,grip_1_x_mm,"
+            "grip_1_x_force_N,grip_1_turn_rad,grip_1_turn_moment_N_m\n1,2,0.016,0,,250,3,0.5,4\n");
+}
+
 TEST(Loading, GivesTheSameEveryTime) {
   EXPECT_EQ(mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.5, nullptr).loadCurve),
             mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.1, nullptr).loadCurve));

@@ -240,6 +240,22 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
   }
 }
 
+TEST_F(RunCurvesOfSquares, HaveTheUnitOfTheModel) {
+  trajectory::Trajectory run = openingSquares(kEnd, kSamples);
+  run.model.unit = *findLengthUnit("mm");
+  trajectory::writeTrajectory(run, folder_ / "mm.h5");
+  const trajectory::RunCurves inMillimetres =
+      trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "mm.h5"));
+  const auto value = [&](const char* column) {
+    return curveNamed(inMillimetres, column).values.back();
+  };
+  EXPECT_DOUBLE_EQ(value("width_mm"), 1e3 * at("width_m", kSamples - 1));
+  EXPECT_DOUBLE_EQ(value("hull_area_mm2"), 1e6 * at("hull_area_m2", kSamples - 1));
+  EXPECT_EQ(value("porosity"), at("porosity", kSamples - 1));
+  EXPECT_EQ(inMillimetres.groups[0].unit, "mm");
+  EXPECT_EQ(inMillimetres.groups[1].unit, "mm²");
+}
+
 TEST_F(RunCurvesOfSquares, AreChannelsOfTheTrajectory) {
   const trajectory::Trajectory run = openingSquares(kEnd, kSamples);
   const std::filesystem::path path = folder_ / "curves.h5";
