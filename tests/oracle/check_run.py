@@ -564,7 +564,7 @@ def kinetic_from_poses(run, k, weights):
 def check_kinetic(run, table):
     """Kinetic energy from the poses of five samples, of fourth order in their interval.
 
-    The bound is the difference to differences of second order, the largest of neighbouring samples: it
+    The bound is twice the difference to differences of second order, the largest of neighbouring samples: it
     is large at impacts. Steps of first order have the velocity of their last interval. Energies are
     linear within a step, so only samples at ends of steps count.
     """
@@ -582,7 +582,7 @@ def check_kinetic(run, table):
             bound[k] = abs(fourth[k] - kinetic_from_poses(run, k, [0, *low, 0]))
     largest = max(np.abs(run.file["energy/" + n][:]).max() for n in run.file["energy"]) or 1.0
     for k in np.flatnonzero(~np.isnan(fourth)):
-        most = bound[max(0, k - 2):k + 3].max() + 1e-7 * largest
+        most = 2 * bound[max(0, k - 2):k + 3].max() + 1e-7 * largest
         table.put("kinetic energy of the poses", abs(stated[k] - fourth[k]) / largest, abs(stated[k] - fourth[k]) / most)
 
 

@@ -115,6 +115,8 @@ std::string reasonOf(const scene::Scene& scene) {
 TEST(Reasons, SpringsThatATimelineSwitchesOff) {
   for (const bool isOnGround : {false, true}) {
     scene::Scene scene = openSheet();
+    scene.environment.contacts = scene::ContactFilter::None;
+    scene.environment.linearDamping = scene.environment.angularDamping = 0.95;
     if (isOnGround) {
       scene.environment.ground = scene::Ground{0, 0.5};
       scene.environment.gravity = {0, 0, -9.81};
