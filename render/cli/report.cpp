@@ -1,10 +1,9 @@
 // Text about a run, made from its summary. Errors are in metres and in tiles (mean edges), which
 // makes models of different size comparable.
 //
-// The reason of a missed target is the first of these causes that applies, from the strongest proof
-// to the weakest: rounding of the input; shapes of the target's tiles (a lower bound for all rigid
-// tiles); contacts (a better state is known, and bricks overlap there); a local minimum (a better
-// state is known); open joints of the target itself; the thickness.
+// A run that arrives may keep an error. Its reason is the first of these facts that applies:
+// rounding of the input; shapes of the target's tiles (a lower bound for all rigid tiles); open
+// joints of the target itself; the search found no nearer state.
 #include "render/cli/report.h"
 
 #include <algorithm>
@@ -39,38 +38,26 @@ std::string inTiles(double metres, const model::Model& model) {
   return model::lengthInTiles(metres, model, 3);
 }
 
-/// Why a run at rest missed its target, in one line; empty if it reached it.
-/// Errors and bounds are in metres.
-std::string reasonOfMiss(const scene::Scene& scene, const record::RunSummary& summary) {
+/// Why a run that arrived is not nearer to its target, in one line; empty if it is. The reason of a
+/// missed target is in the first line.
+std::string reasonOfError(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
-  if (summary.outcome != run::Outcome::Settled || error <= kReached * tile) return "";
-  // Coordinates with few digits displace tiles and target by the rounding's spread.
+  if (summary.atTarget != true || error <= kReached * tile) return "";
   if (scene.model.rounding > 0 && error <= run::roundedReach(scene.model)) {
-    return fmt::format("reason: coordinates are rounded to {}; tiles and target fit no better\n",
-                       lengthText(scene.model.rounding, scene.model.unit, 6));
+    return fmt::format("reason: coordinates are rounded to {}, which explains errors of up to {}\n",
+                       lengthText(scene.model.rounding, scene.model.unit, 6),
+                       lengthText(run::roundedReach(scene.model), scene.model.unit, 2));
   }
   if (error <= kExplains * summary.accuracy.rigidBound) {
     return "reason: the target's tiles have other shapes, which rigid tiles cannot fit\n";
-  }
-  if (error > kExplains * summary.assembledError && !summary.blocking.empty()) {
-    return fmt::format(
-        "reason: bricks would overlap in a nearer state with closed joints, {} from the target\n",
-        lengthText(summary.assembledError, scene.model.unit));
-  }
-  if (error > kExplains * summary.assembledError) {
-    return fmt::format(
-        "reason: stuck in a local energy minimum; a state with closed joints {} from the target is "
-        "known\n",
-        lengthText(summary.assembledError, scene.model.unit));
   }
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap > kReached * tile) {
     return fmt::format("reason: the target opens its joints by {}; closed joints cannot reach it\n",
                        inTiles(gap, scene.model));
   }
-  return "reason: no nearer state with closed joints was found; joints are on faces of thick "
-         "bricks, but the target's tiles have no thickness\n";
+  return "reason: no nearer state with closed joints was found\n";
 }
 
 /// Two or three lines: error, bounds, reason.
@@ -86,7 +73,7 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
     text += fmt::format("; nearest state found with closed joints {}",
                         inTiles(summary.assembledError, model));
   }
-  return text + "\n" + reasonOfMiss(scene, summary);
+  return text + "\n" + reasonOfError(scene, summary);
 }
 
 /// The largest gap of any step, and the gap at the end. Compliant joints, which open on purpose,
@@ -133,9 +120,10 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
         fmt::format("; rounding adds up to {:.2g} tiles and {:.2g} J in all",
                     cost.took.rounding / model::tileSize(scene.model), cost.took.energyRounding);
   }
+  const bool isMissed = cost.took.touchingTime + cost.took.singularTime > 0;
   text += summary.timeError
-              ? fmt::format("; a hundredth of it moves vertices by at most {:.2g} tiles",
-                            *summary.timeError)
+              ? fmt::format("; a hundredth of it moves vertices by at most {:.2g} tiles{}",
+                            *summary.timeError, isMissed ? " (with a tenth of the timestep)" : "")
               : "; the error of the run is not known (--measure-time-error)";
   return fmt::format("{}; {:.2g} s of CPU time, {} steps rejected\n", text, cost.cpuSeconds,
                      cost.took.rejected);
@@ -315,17 +303,25 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
   return fmt::format("{}; exit code {}", text, kExitShort);
 }
 
-/// "kinematic path, no collisions".
-std::string describeMotion(const record::RunSummary& summary, double tile) {
+/// Collisions of a run. Overlaps of tiles are measured; ground and obstacles only act as contacts.
+std::string describeContacts(const scene::Scene& scene, const record::RunSummary& summary) {
+  const double most = run::kClearShare * model::tileSize(scene.model);
+  const run::Accuracy& accuracy = summary.accuracy;
+  if (summary.needs.contacts.on) return "contacts on";
+  if (accuracy.penetrationGrownMax > most) return "contacts off";
+  std::string text = "no overlaps";
+  if (scene.environment.ground || !scene.environment.obstacles.empty()) text += " between tiles";
+  if (accuracy.penetrationOutsidePivotsMax > most) text += " beyond those of the start";
+  return text;
+}
+
+/// "kinematic path, no overlaps".
+std::string describeMotion(const scene::Scene& scene, const record::RunSummary& summary) {
   const char* path = summary.loadCurve                                    ? "path of equilibria"
                      : summary.path.kind == scene::PathKind::Continuation ? "kinematic path"
                      : summary.path.kind == scene::PathKind::Guided       ? "guided by springs"
                                                                           : "dynamics";
-  const bool isCollisionFree = summary.accuracy.penetrationGrownMax <= run::kClearShare * tile;
-  return fmt::format("{}, {}", path,
-                     summary.needs.contacts.on ? "contacts on"
-                     : isCollisionFree         ? "no collisions"
-                                               : "contacts off");
+  return fmt::format("{}, {}", path, describeContacts(scene, summary));
 }
 
 /// Up to two lines: overlaps that grew during the run, and overlaps that block the target.
@@ -348,11 +344,10 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
 
 std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
                                const record::RunSummary& summary) {
-  const double tile = model::tileSize(scene.model);
   std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
   text += fmt::format("{} tiles, {} joints, {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
-                      describeMotion(summary, tile));
+                      describeMotion(scene, summary));
   if (!scene.model.joints.empty()) {
     const run::Accuracy& accuracy = summary.accuracy;
     text += accuracy.jointOpeningMax > 0

@@ -259,6 +259,9 @@ void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result)
 /// Factor on the tolerance in the run that measures the error in time. Coarse steps end at
 /// samples, so a tenth of the tolerance can give the same steps and no difference.
 constexpr double kFinerShare = 0.01;
+/// Factor on the timestep of this run if the first one missed its tolerance: steps of first order
+/// have an error that depends on the timestep only.
+constexpr double kFinerStep = 0.1;
 /// Samples within this time are simultaneous, seconds.
 constexpr double kSameSample = 1e-9;
 
@@ -292,7 +295,7 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
   return result;
 }
 
-/// Runs the scene twice, the second time with a hundredth of its tolerance. The error in time is
+/// Runs the scene twice, the second time with finer steps. The error in time is
 /// the largest distance of a vertex between both runs, over their common samples.
 run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice& choice,
                                const run::AssembledState& nearest, const run::RunObservers& watch,
@@ -309,6 +312,8 @@ run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice
   if (!run::keepsTolerance(chosen) || result.outcome == run::Outcome::Interrupted) return result;
   scene::Scene finer = scene;
   finer.solver.tolerance *= kFinerShare;
+  const StepReport& took = result.cost.took;
+  if (took.touchingTime + took.singularTime > 0) finer.solver.timestep *= kFinerStep;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   double largest = 0;
   std::size_t next = 0;

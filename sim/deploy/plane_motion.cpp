@@ -18,11 +18,9 @@ namespace {
 
 /// Motions other than rigid motions of the whole sheet; -1 if they cannot be counted.
 int motions(const scene::Scene& scene, trajectory::Freedom freedom) {
-  constexpr double kFits = 1e-4;  // in tiles; below, joints may be redundant except for a misfit
   const trajectory::Mobility found =
       trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
-  const bool isCertain = found.rank == 0 || found.leastKept > kFits;
-  return found.isCounted && isCertain ? found.freedoms : -1;
+  return found.isCertain() ? found.freedoms : -1;
 }
 
 }  // namespace

@@ -31,6 +31,25 @@ bool keepsTolerance(const scene::Scene& scene) {
          !scene.path.jointsAreCompliant();
 }
 
+std::vector<mechanics::Support> frictionOnGround(const scene::Environment& environment,
+                                                 const std::vector<model::Brick>& bricks) {
+  std::vector<mechanics::Support> supports;
+  if (!environment.ground) return supports;
+  const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
+  if (push == 0) return supports;
+  std::vector<std::vector<std::vector<Vector3>>> parts(bricks.size());
+  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
+    parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
+  }
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const mechanics::RubbingPoint& rubbing : mechanics::evenPressure(parts[i])) {
+      supports.push_back(
+          {static_cast<int>(i), rubbing.point, push * bricks[i].mass * rubbing.share});
+    }
+  }
+  return supports;
+}
+
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                        const std::vector<model::Brick>& bricks, const Poses& start,
                                        contacts::FaceContact faces) {
@@ -59,25 +78,16 @@ constexpr double kTouchingPart = 0.1;
 // Joints with smaller gaps are closed, fraction of a tile.
 constexpr double kClosed = 1e-10;
 
-/// Points of friction of the bricks of a planar scene on the ground, for an even pressure.
+/// Whether the bricks of a planar scene press on the ground.
+bool liesOnGround(const scene::Scene& scene, const scene::Needs& needs) {
+  return needs.planar.on && scene.environment.ground && scene.environment.gravity.z() < 0;
+}
+
+/// Points of friction of the bricks of a planar scene on the ground.
 std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
                                                const std::vector<model::Brick>& bricks) {
-  std::vector<mechanics::Support> supports;
-  const scene::Environment& environment = scene.environment;
-  if (!needs.planar.on || !environment.ground) return supports;
-  const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
-  if (push == 0) return supports;
-  std::vector<std::vector<std::vector<Vector3>>> parts(bricks.size());
-  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
-    parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
-  }
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (const mechanics::RubbingPoint& rubbing : mechanics::evenPressure(parts[i])) {
-      supports.push_back(
-          {static_cast<int>(i), rubbing.point, push * bricks[i].mass * rubbing.share});
-    }
-  }
-  return supports;
+  if (!liesOnGround(scene, needs)) return {};
+  return frictionOnGround(scene.environment, bricks);
 }
 
 /// The forces of all contact points of two bodies.
@@ -146,6 +156,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
       solver_(solverOf(scene, needs, bricks_)),  // which refers to its bricks
       substeps_(scene.solver.substeps.value_or(1)),
       keepsEnergy_(!scene::dynamicTies(scene, bricks).pairForces.empty()),
+      isLying_(liesOnGround(scene, needs)),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);
@@ -231,6 +242,14 @@ std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const
     const int tile = isSwapped ? touch.brickB : touch.brickA;
     const int other = isSwapped ? touch.brickA : touch.brickB;
     pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
+  }
+  // The solver of planar scenes has no motion along the normal. The ground carries the weight below
+  // the centre of mass: the same even pressure that gives the friction.
+  for (std::size_t i = 0; isLying_ && i < bricks_.size(); ++i) {
+    const double weight = -bricks_[i].mass * environment_.gravity.z();
+    const Vector3 centre = poses[i].position - 0.5 * bricks_[i].thickness * Vector3::UnitZ();
+    pairs[{static_cast<int>(i), model::kFixed}].add(
+        {static_cast<int>(i), model::kFixed, centre, weight * Vector3::UnitZ(), weight}, 1);
   }
   std::vector<trajectory::Hold> holds;
   for (const auto& [pair, sum] : pairs) {

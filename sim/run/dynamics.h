@@ -30,6 +30,11 @@ inline constexpr double kMisfitRatio = 2.5e4;
 /// The stiffness of these joints, N/m.
 double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
 
+/// Points of friction of bricks that lie on the ground, each under its own weight with an even
+/// pressure. Empty without friction, ground or weight.
+std::vector<mechanics::Support> frictionOnGround(const scene::Environment& environment,
+                                                 const std::vector<model::Brick>& bricks);
+
 /// The stiffness of exact joints, N/m.
 constexpr double kExactJoints = std::numeric_limits<double>::infinity();
 
@@ -68,7 +73,8 @@ class Dynamics {
   virtual double jointStiffness() const = 0;
 
   /// Resultants of the contacts of the last step at the current poses, one per pair, in order of
-  /// tiles. Empty if the solver does not report them.
+  /// tiles. Planar bricks on the ground include its normal force, which is their weight. Empty if
+  /// the solver does not report them.
   virtual std::vector<trajectory::Hold> contacts(const Poses& poses) const = 0;
 
   /// Contacts that carried load in the last step, the strongest first: "tiles 3 and 4", "tile 3 and
@@ -140,7 +146,8 @@ class DirectDynamics : public Dynamics {
   std::unique_ptr<mechanics::JointSolver> solver_;
   int substeps_;
   bool keepsEnergy_;                                   // in steps to a tolerance
-  bool isRubbing_;                                     // planar bricks on a ground with friction
+  bool isLying_;                                       // planar bricks on a ground, with weight
+  bool isRubbing_;                                     // the same, with friction
   bool isPinned_ = false;                              // some brick
   double touching_;                                    // gap of points that touch, metres
   std::unique_ptr<contacts::ContactFinder> contacts_;  // null if there are no contacts

@@ -141,7 +141,9 @@ std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found,
 /// How a complete path ends. Errors as in endNearTarget().
 std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error,
                   double nearest) {
-  std::string words = "the path ends at full extension";
+  const bool hasContacts = found.contacts != scene::ContactFilter::None;
+  std::string words = hasContacts ? "the path ends at the largest extension found with contacts"
+                                  : "the path ends at full extension";
   if (scene.model.target) {
     words = endNearTarget(scene, found, error, nearest);
   } else if (!found.closedWords.empty()) {
@@ -151,11 +153,12 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
         "the path ends at the last state with closed joints. Beyond it they open by more than ten "
         "times the last digit, {}, of the model's coordinates",
         lengthText(scene.model.rounding, scene.model.unit, 6));
+  } else if (found.path.isCutShort) {
+    words = "the path ends where the search stopped";
   } else if (!isExtension(scene, found.path)) {
-    words = fmt::format("{}. No small motion of the mechanism moves the tiles farther apart",
-                        found.contacts == scene::ContactFilter::None
-                            ? "the start is fully extended"
-                            : "contacts lock the tiles at the start");
+    words = fmt::format(
+        "{}. No small motion of the mechanism moves the tiles farther apart",
+        hasContacts ? "contacts lock the tiles at the start" : "the start is fully extended");
   }
   if (found.hasCompliantJoints) {
     words += fmt::format(", joints open by up to {} on the path",
@@ -284,7 +287,11 @@ DeploymentResult playBack(const scene::Scene& scene, const GeometricPath& found,
   if (scene.model.target) {
     result.atTarget = hasArrived(scene.model, error, result.assembledError);
   }
-  const bool isShort = result.atTarget == false || found.path.endsAtOpenJoints;
+  // Without contacts the path is longer, else it would have none.
+  const bool isLockedAtStart = !scene.model.target && found.closedWords.empty() &&
+                               found.contacts != scene::ContactFilter::None &&
+                               !isExtension(scene, found.path);
+  const bool isShort = result.atTarget == false || found.path.endsAtOpenJoints || isLockedAtStart;
   result.outcome = playback.isInterrupted() ? Outcome::Interrupted
                    : isShort                ? Outcome::Locked
                                             : Outcome::Settled;

@@ -1,4 +1,4 @@
-// Rest. A run rests while its fastest brick is slower than the settle speed, or while all
+// Rest. A run rests while its fastest corner is slower than the settle speed, or while all
 // steps fail and no brick moves. The rest time follows from the motion, not from the ends of
 // steps: the time at which the fastest speed falls below the limit is computed within the
 // step.
@@ -41,15 +41,6 @@ double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& moti
   return fastest;
 }
 
-double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize) {
-  double fastest = 0;
-  for (const Velocity& velocity : velocities) {
-    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize;
-    fastest = std::max(fastest, speed);
-  }
-  return fastest;
-}
-
 void RestWatch::observe(const RunMotion& motion, double length, const StepReport& report,
                         bool isOnPath) {
   if (report.unconverged == 0) {
@@ -58,7 +49,7 @@ void RestWatch::observe(const RunMotion& motion, double length, const StepReport
     jamStart_ = motion.poses();
   }
   const double tile = bricks_.tileSize;
-  const double speed = fastestSpeed(motion.now().velocities, tile);
+  const double speed = fastestCorner(bricks_.bricks, motion.now());
   const bool isStill =
       farthestMove(motion.before().poses, motion.poses(), tile) < kStillShare * speed * length;
   const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
@@ -76,7 +67,7 @@ void RestWatch::observe(const RunMotion& motion, double length, const StepReport
 // oscillate: the step is tested in parts, then bisected.
 double RestWatch::restWithinStep(const RunMotion& motion, double length, double limit) const {
   const auto isFast = [&](double seconds) {
-    return fastestSpeed(motion.velocitiesAt(seconds), bricks_.tileSize) >= limit;
+    return fastestCorner(bricks_.bricks, motion.motionAfter(seconds)) >= limit;
   };
   const double part = length / kRestChecks;
   int fast = kRestChecks - 1;
@@ -210,10 +201,10 @@ std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned
   return velocities;
 }
 
-bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
-                   double modelSize) {
+bool movesByItself(const std::vector<model::Brick>& bricks, const Motion& after, bool drivenApart,
+                   double tileSize, double modelSize) {
   const double fastest =
-      drivenApart ? fastestOpening(after) * tileSize : fastestSpeed(after, tileSize);
+      drivenApart ? fastestOpening(after.velocities) * tileSize : fastestCorner(bricks, after);
   return fastest > kSpeed * modelSize;
 }
 
@@ -251,7 +242,7 @@ void Perturber::giveAtStart(RunMotion& motion, const mechanics::LoadSource& load
   solver->setPinned(pinned);
   Motion trial = {motion.poses(), std::vector<Velocity>(bricks_.bricks.size())};
   solver->advance(trial, kPerturbationTime, loads);
-  if (movesByItself(trial.velocities, areDrivenApart(), bricks_.tileSize, bricks_.size)) {
+  if (movesByItself(bricks_.bricks, trial, areDrivenApart(), bricks_.tileSize, bricks_.size)) {
     given_ = Perturbed::No;
     return;
   }

@@ -19,10 +19,7 @@ namespace kirireel::run {
 /// The speed of the fastest corner of a brick, m/s.
 double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& motion);
 
-/// A measure of the fastest brick's speed, m/s. Rotations count at the radius `tileSize` (metres).
-double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
-
-/// Detects rest: no brick is faster than the scene's settle speed, or speeds lead nowhere. A run
+/// Detects rest: no corner is faster than the scene's settle speed, or speeds lead nowhere. A run
 /// also rests if its steps keep failing and no brick moves.
 class RestWatch {
  public:
@@ -98,12 +95,12 @@ constexpr double kPerturbationTime = 1.0 / 240;
 /// the model's size (metres) per second. The same seed gives the same result on all machines.
 std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned seed);
 
-/// Whether the acting forces move the bricks. `after` are the velocities at kPerturbationTime after
-/// rest, with joints and contacts. Some brick must be faster than a perturbation. If bricks are
+/// Whether the acting forces move the bricks. `after` is the motion at kPerturbationTime after
+/// rest, with joints and contacts. Some corner must be faster than a perturbation. If bricks are
 /// `drivenApart`, by a drive or by springs between them, the motion must be relative: a sheet that
 /// is pulled along, but cannot open, does not count. Sizes in metres.
-bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
-                   double modelSize);
+bool movesByItself(const std::vector<model::Brick>& bricks, const Motion& after, bool drivenApart,
+                   double tileSize, double modelSize);
 
 /// The part of a perturbation with the symmetries of `group`, which includes the identity. Empty if
 /// joints leave almost none of it: a closed sheet may open only in a motion without symmetry.

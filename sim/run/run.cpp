@@ -416,29 +416,47 @@ void Run::resumeFrom(const RunState& state) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reasons for the end of a run. If it misses its target, the first cause that applies is reported:
-// friction on the ground, contacts that carry load, steps that fail, joints that leave no freedom,
-// the nearest state with closed joints is reached, springs at hinges. Otherwise the pull is in
-// equilibrium.
+// Reasons for the end of a run. If it misses its target, the first reason that applies is reported.
+// Each states a fact that was measured in the last state:
+// 1. The timeline switched the springs off.
+// 2. Friction on the ground can hold each tile, and the joints alone would not.
+// 3. Contacts carry load, and nothing but the pull can press them.
+// 4. Steps fail, and no brick moves.
+// 5. The joints leave no freedom.
+// 6. No state with closed joints is known that is nearer.
+// 7. The pull is in equilibrium with other forces: gravity, springs between tiles, pins, contacts.
+// 8. Only the pull acts. It is in equilibrium, although a nearer state is known.
 
 namespace {
 
 // With this joint ratio, tiles without freedom can usually move.
 constexpr double kCompliantRatio = 100;
 
-// Maximum number of contacts in the reason.
-constexpr std::size_t kPairsNamed = 3;
+// Maximum number of contacts or tiles in the reason.
+constexpr std::size_t kNamed = 3;
 
 // Tiles lie on the ground if they are no higher than this fraction of a tile above it.
 constexpr double kLyingShare = 1e-3;
 
-/// For example "contact stops tiles 3 and 4, tile 5 and the ground and 2 more".
-std::string contactWords(std::vector<std::string> contacts) {
-  const std::size_t count = contacts.size();
-  contacts.resize(std::min(count, kPairsNamed));
-  std::string text = fmt::format("contact stops {}", fmt::join(contacts, ", "));
-  if (count > kPairsNamed) text += fmt::format(" and {} more", count - kPairsNamed);
+// Forces below this fraction of the largest force of the pull do not count.
+constexpr double kActingShare = 1e-3;
+
+/// For example "tiles 3 and 4, tile 5 and the ground and 2 more".
+std::string listed(std::vector<std::string> names) {
+  const std::size_t count = names.size();
+  names.resize(std::min(count, kNamed));
+  std::string text = fmt::format("{}", fmt::join(names, ", "));
+  if (count > kNamed) text += fmt::format(" and {} more", count - kNamed);
   return text;
+}
+
+/// The largest force, newtons. Moments count at the radius `tileSize`.
+double largestOf(const std::vector<Vector6>& forces, double tileSize) {
+  double largest = 0;
+  for (const Vector6& force : forces) {
+    largest = std::max({largest, force.head<3>().norm(), force.tail<3>().norm() / tileSize});
+  }
+  return largest;
 }
 
 }  // namespace
@@ -459,13 +477,12 @@ RunEnding RunReasons::atRest(bool isTrial) const {
 }
 
 RunEnding RunReasons::late(double time) const {
-  const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
-  const bool isSlow = fastestSpeed(motion_.now().velocities, bricks_.tileSize) < limit;
+  const double speed = fastestCorner(bricks_.bricks, motion_.now());
+  const bool isSlow = speed < bricks_.scene.stop.settleSpeed * bricks_.size;
   std::string text =
       fmt::format("{} after {:.4g} s", isSlow ? "not known to be at rest" : "still moving", time);
   const LengthUnit& unit = bricks_.scene.model.unit;
-  text += fmt::format(", at {}/s at most",
-                      lengthText(fastestCorner(bricks_.bricks, motion_.now()), unit, 2));
+  text += fmt::format(", at {}/s at most", lengthText(speed, unit, 2));
   if (target_.isPulledTo()) {
     text += fmt::format(", {} from the target", lengthText(target_.error(motion_.poses()), unit));
   }
@@ -480,16 +497,27 @@ bool RunReasons::isImmobile() const {
   const trajectory::Mobility found =
       trajectory::mobility(bricks_.scene.model, model::bottomTiles(bricks_.bricks, motion_.poses()),
                            freedom, bricks_.scene.brick.thickness);
-  return found.isCounted && found.freedoms <= 0;
+  return found.isCertain() && found.freedoms <= 0;
 }
 
-// Whether the ground's friction can hold each tile against all other forces except contacts. The
-// condition is |F| <= mu m g for the horizontal force F. Empty if it fails, or if the tiles do not
-// lie on the ground.
+// Forces of everything but joints, pins and contacts on the bricks at rest.
+std::vector<Vector6> RunReasons::forcesAtRest() const {
+  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  return forces_.appliedForces(forces_.time(), atRest);
+}
+
+// Whether the ground's friction can hold each tile against all other forces except contacts. For a
+// horizontal force F and a moment T about the vertical, the condition is
+//   (F / F0)^2 + (T / T0)^2 <= 1,
+// with F0 and T0 the limits of friction for each without the other, under an even pressure.
+// (Howe and Cutkosky 1996, "Practical force-motion models for sliding manipulation", Int. J.
+// Robotics Research 15, 557-572.) Empty if it fails, if there is nothing to hold, if the tiles do
+// not lie on the ground, or if the joints alone hold the tiles.
 std::string RunReasons::friction() const {
   const scene::Environment& environment = bricks_.scene.environment;
-  const double weight = -environment.gravity.z();
-  if (!environment.ground || !(environment.ground->friction * weight > 0)) return "";
+  if (!environment.ground) return "";
+  const std::vector<mechanics::Support> supports = frictionOnGround(environment, bricks_.bricks);
+  if (supports.empty()) return "";
   const double highest =
       environment.ground->height + bricks_.scene.brick.thickness + kLyingShare * bricks_.tileSize;
   for (const model::Tile& tile : model::bottomTiles(bricks_.bricks, motion_.poses())) {
@@ -497,47 +525,116 @@ std::string RunReasons::friction() const {
       if (vertex.z() > highest) return "";
     }
   }
-  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
-  const std::vector<Vector6> forces = forces_.appliedForces(forces_.time(), atRest);
+  std::vector<double> mostForce(bricks_.bricks.size(), 0), mostMoment(bricks_.bricks.size(), 0);
+  for (const mechanics::Support& support : supports) {
+    const auto i = static_cast<std::size_t>(support.brick);
+    const Vector3 arm = motion_.poses()[i].rotation * support.point;
+    mostForce[i] += support.largestForce;
+    mostMoment[i] += support.largestForce * arm.head<2>().norm();
+  }
+  const std::vector<Vector6> forces = forcesAtRest();
   double pull = 0, most = 1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const double force = forces[i].head<2>().norm();
-    const double held = environment.ground->friction * bricks_.bricks[i].mass * weight;
-    if (force > held) return "";
-    if (pull * held > force * most) continue;
+    if (std::hypot(force / mostForce[i], forces[i][5] / mostMoment[i]) > 1) return "";
+    if (pull * mostForce[i] > force * most) continue;
     pull = force;
-    most = held;
+    most = mostForce[i];
   }
+  if (pull == 0 || isImmobile()) return "";
   return fmt::format(
       "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
       "friction holds up to mu m g = {:.3g} N. Lower `ground_friction` or raise `spring_stiffness`",
       pull, most);
 }
 
+// Whether gravity acts on the motion. The plane of a planar scene carries the part across it.
+bool RunReasons::isGravityActing() const {
+  const Vector3& gravity = bricks_.scene.environment.gravity;
+  return bricks_.needs.planar.on ? !gravity.head<2>().isZero(0) : !gravity.isZero(0);
+}
+
+// The tiles whose pins carry load, from the reactions of the state at rest.
+std::vector<std::string> RunReasons::loadedPins() const {
+  const std::vector<bool>& pinned = forces_.pinned();
+  std::vector<std::string> names;
+  if (std::ranges::find(pinned, true) == pinned.end()) return names;
+  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  std::vector<Vector6> applied = forcesAtRest();
+  const double least = kActingShare * largestOf(applied, bricks_.tileSize);
+  for (const trajectory::Hold& hold : forces_.holds(forces_.time(), atRest)) {
+    if (hold.kind == trajectory::HoldKind::Contact) addContact(hold, motion_.poses(), applied);
+  }
+  const mechanics::Reactions reactions =
+      mechanics::makeReactionSolver(bricks_.bricks, bricks_.ties.pivots, bricks_.needs.planar.on,
+                                    bricks_.tileSize)
+          ->solve(atRest, applied, pinned, forces_.jointStiffness());
+  for (std::size_t i = 0; i < pinned.size(); ++i) {
+    if (!pinned[i] || largestOf({reactions.pinForces[i]}, bricks_.tileSize) <= least) continue;
+    names.push_back(
+        fmt::format("tile {}", bricks_.scene.model.fileOrder.countsFrom + static_cast<int>(i)));
+  }
+  return names;
+}
+
+// What else acts on the bricks, besides the pull and the joints.
+std::vector<std::string> RunReasons::otherForces() const {
+  std::vector<std::string> others;
+  if (isGravityActing()) others.emplace_back("gravity");
+  std::vector<Vector6> between(bricks_.bricks.size(), Vector6::Zero());
+  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
+    force->addForces(atRest, between);
+  }
+  if (largestOf(between, bricks_.tileSize) >
+      kActingShare * largestOf(forcesAtRest(), bricks_.tileSize)) {
+    others.emplace_back("springs between tiles");
+  }
+  if (const std::vector<std::string> pins = loadedPins(); !pins.empty()) {
+    others.push_back("the pins of " + listed(pins));
+  }
+  return others;
+}
+
+// Why no step moves the bricks.
+std::string RunReasons::failingSteps() const {
+  std::string text = "no further step keeps the joints closed";
+  if (bricks_.needs.contacts.on) text += " and the tiles apart";
+  std::vector<std::string> pinned;
+  for (const int tile : forces_.pinnedTiles()) {
+    pinned.push_back(fmt::format("{}", bricks_.scene.model.fileOrder.countsFrom + tile));
+  }
+  return pinned.empty() ? text : fmt::format("{}, with pinned tiles {}", text, listed(pinned));
+}
+
 // The reason why a run at rest has not reached its target.
 std::string RunReasons::stopReason() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline solver reports no reason";
+  if (!forces_.isDriveOn()) return "the timeline switched the springs off";
   if (const std::string held = friction(); !held.empty()) return held;
+  std::vector<std::string> others = otherForces();
   const std::vector<std::string> contacts = motion_.solver().loadedContacts();
-  if (!contacts.empty()) return contactWords(contacts);
-  if (rest_.isStuck(motion_.poses())) return "exact joints allow no further motion";
+  if (others.empty() && !contacts.empty()) return "contact stops " + listed(contacts);
+  if (rest_.isStuck(motion_.poses())) return failingSteps();
   if (isImmobile()) {
     return fmt::format(
-        "the joints allow no motion (0 degrees of freedom). Compliant joints would (`path = "
-        "guided` with `joint_ratio = {:g}`)",
+        "the joints allow no motion (0 degrees of freedom). Compliant joints may (`path = guided` "
+        "with `joint_ratio = {:g}`)",
         kCompliantRatio);
   }
   const double error = target_.error(motion_.poses());
   if (target_.isNearest(error)) return "no nearer state with closed joints was found";
-  if (target_.isAtSpringEquilibrium(error)) {
-    return fmt::format(
-        "the springs are in equilibrium, although a state with closed joints exists {} from the "
-        "target",
-        lengthText(target_.nearestError(), bricks_.scene.model.unit));
+  if (!contacts.empty()) others.push_back("contacts of " + listed(contacts));
+  if (!others.empty()) {
+    return fmt::format("the pull is in equilibrium with {}", fmt::join(others, ", "));
   }
-  if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold the tiles";
-  return "stuck in a local energy minimum";
+  const std::string known =
+      fmt::format("a state with closed joints exists {} from the target",
+                  lengthText(target_.nearestError(), bricks_.scene.model.unit));
+  return target_.isAtSpringEquilibrium(error)
+             ? "the springs are in equilibrium, although " + known
+             : "stuck in a local energy minimum, although " + known;
 }
 
 }  // namespace kirireel::run

@@ -33,7 +33,7 @@ class RunReasons {
       : bricks_(bricks), target_(target), motion_(motion), forces_(forces), rest_(rest) {}
 
   /// For bricks at rest: settled, or locked before the target. Unless `isTrial`, it also determines
-  /// the cause, which costs up to one factorisation.
+  /// the cause, which costs up to a few factorisations.
   RunEnding atRest(bool isTrial) const;
   /// For a run that reached its maximum duration. `time`: its end, seconds.
   RunEnding late(double time) const;
@@ -41,6 +41,11 @@ class RunReasons {
  private:
   std::string stopReason() const;
   std::string friction() const;
+  std::string failingSteps() const;
+  std::vector<std::string> loadedPins() const;
+  std::vector<std::string> otherForces() const;
+  std::vector<Vector6> forcesAtRest() const;
+  bool isGravityActing() const;
   bool isImmobile() const;
 
   const SceneBricks& bricks_;

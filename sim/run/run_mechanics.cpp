@@ -92,6 +92,13 @@ void ActingForces::addForcesOfReplacedJoints(const Poses& poses,
   }
 }
 
+bool ActingForces::areContactsKnown() const {
+  const scene::Environment& environment = bricks_.scene.environment;
+  const bool mayTouch =
+      bricks_.needs.contacts.on || environment.ground || !environment.obstacles.empty();
+  return !mayTouch || clock_.time() > 0;
+}
+
 // Drags as grips, and the contacts of the last step.
 std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& motion) const {
   std::vector<trajectory::Hold> holds;
@@ -112,6 +119,17 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
       clock_.time() > 0 ? motion_.solver().contacts(motion.poses) : std::vector<trajectory::Hold>{};
   holds.insert(holds.end(), contacts.begin(), contacts.end());
   return holds;
+}
+
+void addContact(const trajectory::Hold& contact, const Poses& poses, std::vector<Vector6>& forces) {
+  const auto push = [&](int tile, double sign) {
+    Vector6& force = forces[static_cast<std::size_t>(tile)];
+    const Vector3 arm = contact.point - poses[static_cast<std::size_t>(tile)].position;
+    force.head<3>() += sign * contact.force;
+    force.tail<3>() += sign * (contact.moment + arm.cross(contact.force));
+  };
+  push(contact.tile, 1);
+  if (contact.other >= 0) push(contact.other, -1);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -147,18 +165,6 @@ trajectory::Energies energiesBetween(const trajectory::Energies& first,
     value = valueBetween(first.*field.member, last.*field.member, share);
   });
   return between;
-}
-
-/// Adds a contact's force to the applied forces of its tiles.
-void apply(const trajectory::Hold& contact, const Poses& poses, std::vector<Vector6>& applied) {
-  const auto push = [&](int tile, double sign) {
-    Vector6& force = applied[static_cast<std::size_t>(tile)];
-    const Vector3 arm = contact.point - poses[static_cast<std::size_t>(tile)].position;
-    force.head<3>() += sign * contact.force;
-    force.tail<3>() += sign * (contact.moment + arm.cross(contact.force));
-  };
-  push(contact.tile, 1);
-  if (contact.other >= 0) push(contact.other, -1);
 }
 
 }  // namespace
@@ -266,7 +272,8 @@ bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
 }
 
 // Energies are interpolated linearly between the ends of the step. Forces come from a separate
-// solve for this state. Forces of joints, pins and contacts that do not balance are unknown.
+// solve for this state. Forces of joints, pins and contacts that do not balance are unknown, and so
+// are all of them before the first step of bricks that may touch.
 trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   trajectory::Mechanics result;
   result.energies = energiesBetween(account_.before, account_.now, share);
@@ -279,13 +286,15 @@ trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double
   double largest = 0;
   for (const Vector6& force : applied) largest = std::max(largest, force.head<3>().norm());
   for (const trajectory::Hold& hold : holds) {
-    if (isContact(hold)) apply(hold, motion.poses, applied);
+    if (isContact(hold)) addContact(hold, motion.poses, applied);
   }
   const double stiffness = acting_.jointStiffness();
   const mechanics::Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
   const std::size_t joints = bricks_.scene.model.joints.size();
-  if (std::ranges::any_of(holds, isContact) &&
-      !isBalanced(reactions, applied, largest, motion.poses)) {
+  const bool areUnknown =
+      !acting_.areContactsKnown() || (std::ranges::any_of(holds, isContact) &&
+                                      !isBalanced(reactions, applied, largest, motion.poses));
+  if (areUnknown) {
     result.jointForces.assign(joints, Vector3::Constant(kUnknown));
     result.isIndeterminate.assign(joints, false);
     std::erase_if(holds, isContact);

@@ -53,10 +53,14 @@ class ActingForces {
   double jointStiffness() const { return motion_.solver().jointStiffness(); }
   /// Time of the run, seconds.
   double time() const { return clock_.time(); }
+  /// Whether the drive acts. A timeline may switch it off.
+  bool isDriveOn() const { return timeline_.forcesAreOn(); }
   /// The pinned bricks, one entry per brick.
   const std::vector<bool>& pinned() const { return timeline_.pinned(); }
   /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const { return timeline_.pinnedTiles(); }
+  /// Whether the contacts are known: those of the last step, so none before the first one.
+  bool areContactsKnown() const;
   /// The grips and the contacts of a state at a time.
   std::vector<trajectory::Hold> holds(double time, const Motion& motion) const;
 
@@ -69,6 +73,9 @@ class ActingForces {
   const RunDrive& drive_;
   const RunMotion& motion_;
 };
+
+/// Adds a contact's force to the forces on its tiles: N, and N m about the centres of mass.
+void addContact(const trajectory::Hold& contact, const Poses& poses, std::vector<Vector6>& forces);
 
 // ------------------------------------------------------------------------------------------------
 // Energies and forces.

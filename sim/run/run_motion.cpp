@@ -150,7 +150,10 @@ StepSpan RunMotion::span(double begin, const StepReport& report, bool isToTolera
 }
 
 Poses RunMotion::posesAt(double time) const {
-  const double seconds = time - (clock_.time() - clock_.length());
+  return posesAfter(time - (clock_.time() - clock_.length()));
+}
+
+Poses RunMotion::posesAfter(double seconds) const {
   if (!isSmooth_) return interpolate(before_.poses, now_.poses, seconds / clock_.length());
   return mechanics::posesBetween(before_, solver_->passed(), now_, clock_.length(), seconds);
 }
@@ -172,6 +175,10 @@ Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
 std::vector<Velocity> RunMotion::velocitiesAt(double seconds) const {
   const auto passed = isSmooth_ ? solver_->passed() : std::span<const mechanics::PassedState>{};
   return mechanics::velocitiesBetween(before_, passed, now_, clock_.length(), seconds);
+}
+
+Motion RunMotion::motionAfter(double seconds) const {
+  return {posesAfter(seconds), velocitiesAt(seconds)};
 }
 
 Motion RunMotion::motionAt(double time, const Poses& poses) const {

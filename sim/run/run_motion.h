@@ -156,6 +156,8 @@ class RunMotion {
   Poses closedPosesAt(double time, const std::vector<bool>& pinned);
   /// The velocities at a time after the start of the last step, seconds.
   std::vector<Velocity> velocitiesAt(double seconds) const;
+  /// The motion at a time after the start of the last step, seconds. Joints are not closed again.
+  Motion motionAfter(double seconds) const;
   /// The motion of these poses at a time within the last step, seconds.
   Motion motionAt(double time, const Poses& poses) const;
 
@@ -163,6 +165,8 @@ class RunMotion {
   void transfer(StateTape& tape) { tape.transfer(now_, before_, *solver_); }
 
  private:
+  Poses posesAfter(double seconds) const;
+
   const SceneBricks& bricks_;
   const StepClock& clock_;
   bool wantsTolerance_;

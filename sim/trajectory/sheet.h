@@ -53,6 +53,13 @@ struct Mobility {
   /// leastKept is only a lower bound and largestDropped an upper bound: their exact values are
   /// unknown.
   bool areBounds = false;
+
+  /// Whether the rank also holds for tiles that fit each other only to a misfit: their redundant
+  /// joints have singular values of about the misfit, in tiles.
+  bool isCertain() const { return isCounted && (rank == 0 || leastKept > kCertain); }
+
+ private:
+  static constexpr double kCertain = 1e-4;  // larger than misfits, in tiles
 };
 
 /// The space in which tiles may move.

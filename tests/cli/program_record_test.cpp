@@ -41,7 +41,7 @@ TEST_F(Recording, EndsWell) {
   EXPECT_EQ(end_.exitCode, 0) << end_.err;
   EXPECT_EQ(end_.err, "");  // no progress line where there is no terminal
   EXPECT_THAT(end_.out, MatchesRegex("tessellation_4x4: target reached, error [0-9.e-]+ m\n"
-                                     "16 tiles, 24 joints, planar; kinematic path, no collisions\n"
+                                     "16 tiles, 24 joints, planar; kinematic path, no overlaps\n"
                                      "joints closed to [0-9.e-]+ m\n"
                                      "[0-9]+ files in .* \\([0-9.]+ s\\)\n"));
 }

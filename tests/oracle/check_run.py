@@ -563,21 +563,72 @@ def check_energies(run, table):
         table.put("first spring energy", e["spring"][0] / largest, e["spring"][0] / (RELATIVE * largest))
 
 
+def rate(values, k, h, weights):
+    """The derivative at sample k; `weights` of the samples k - 2 to k + 2."""
+    return np.tensordot(np.array(weights) / h, values[k - 2:k + 3], 1)
+
+
+def kinetic_from_poses(run, k, weights):
+    h = (run.time[k + 2] - run.time[k - 2]) / 4
+    turn = vector_of(product(run.rotation, inverse(run.rotation[k]))[k - 2:k + 3])
+    R = matrices(run.rotation[k])
+    spin = np.einsum("nji,nj->ni", R, np.tensordot(np.array(weights) / h, turn, 1))
+    speed = rate(run.position, k, h, weights)
+    return (run.mass @ (speed ** 2).sum(1) + np.einsum("ni,nij,nj->", spin, run.inertia, spin)) / 2
+
+
+def check_kinetic(run, table):
+    """Kinetic energy from the poses of five samples, of fourth order in their interval.
+
+    The bound is twice the difference to differences of second order, the largest of neighbouring samples: it
+    is large at impacts. Steps of first order have the velocity of their last interval. Energies are
+    linear within a step, so only samples at ends of steps count.
+    """
+    stated = run.file["energy/kinetic"][:]
+    if len(run.time) < 5:
+        return
+    steps, cost = run.file["steps/time"][:], run.summary["accuracy"]
+    fixed = (run.summary["path"]["kind"] == "guided" or run.summary["settings"]["solver"]["tolerance"] == 0
+             or cost["touching_time"] > 0 or cost["singular_time"] > 0)
+    low = [-1 / 2, 0, 1 / 2] if not fixed else [-1, 1, 0]
+    fourth, bound = np.full(len(run.time), np.nan), np.zeros(len(run.time))
+    for k in range(2, len(run.time) - 2):
+        if np.ptp(np.diff(run.time[k - 2:k + 3])) < 1e-9 * run.time[-1] and np.abs(steps - run.time[k]).min() < 1e-9:
+            fourth[k] = kinetic_from_poses(run, k, [1 / 12, -2 / 3, 0, 2 / 3, -1 / 12])
+            bound[k] = abs(fourth[k] - kinetic_from_poses(run, k, [0, *low, 0]))
+    largest = max(np.abs(run.file["energy/" + n][:]).max() for n in run.file["energy"]) or 1.0
+    for k in np.flatnonzero(~np.isnan(fourth)):
+        most = 2 * bound[max(0, k - 2):k + 3].max() + 1e-7 * largest
+        table.put("kinetic energy of the poses", abs(stated[k] - fourth[k]) / largest, abs(stated[k] - fourth[k]) / most)
+
+
+def rests(run, k):
+    """Whether no brick moves at sample k, nor to the one before or after it."""
+    if not 0 < k < len(run.time) - 1:
+        return False
+    around = slice(k - 1, k + 2)
+    turn = np.linalg.norm(vector_of(product(run.rotation[around], inverse(run.rotation[k]))), axis=-1).max()
+    return max(np.ptp(run.position[around], axis=0).max() / run.tile, turn) < 1e-9
+
+
 def check_balance(run, table):
-    """Newton's third law and the moments of contacts need no accelerations; forces are finite or absent."""
+    """Forces are finite or absent. Those from outside carry the weight of a sheet at rest."""
     f = run.file
     if "holds" not in f:
         return
     force, point = f["holds/force"][:], f["holds/point"][:]
     table.put("forces that are not finite", 0, 0 if np.isfinite(force).all() and np.isfinite(point).all() else np.inf)
-    at_rest = np.flatnonzero(f["energy/kinetic"][:] == 0)
-    weight = run.mass.sum() * np.linalg.norm(run.summary["settings"]["environment"]["gravity"])
+    settings = run.summary["settings"]
+    gravity = np.array(settings["environment"]["gravity"], float)
+    weight = run.mass.sum() * np.linalg.norm(gravity)
+    if weight == 0 or settings["actuation"]["actuation"] != "none":
+        return
     outside = (f["holds/kind"][:] == 0) | (f["holds/tiles"][:][:, 1] < 0)
-    for k in at_rest:
-        rows = outside & (f["holds/time"][:] == run.time[k])
-        if weight > 0 and rows.any() and run.summary["settings"]["actuation"]["actuation"] == "none":
-            rest = force[rows].sum(0) + run.mass.sum() * np.array(run.summary["settings"]["environment"]["gravity"])
-            table.put("balance at rest", np.linalg.norm(rest) / weight, np.linalg.norm(rest) / weight / 0.05)
+    for k in filter(lambda k: rests(run, k), range(len(run.time))):
+        rows = outside & (np.abs(f["holds/time"][:] - run.time[k]) < 1e-9)
+        if rows.any():
+            rest = np.linalg.norm(force[rows].sum(0) + run.mass.sum() * gravity)
+            table.put("balance at rest", rest / weight, rest / weight / 1e-3)
 
 
 def check(folder, few=False):
@@ -588,6 +639,8 @@ def check(folder, few=False):
     check_overlaps(run, table, few)
     check_curves(run, table)
     check_energies(run, table)
+    if "energy" in run.file:
+        check_kinetic(run, table)
     check_balance(run, table)
     return table.rows
 

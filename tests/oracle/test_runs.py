@@ -66,6 +66,13 @@ def scenes(extent, folder):
     yield from random_scenes(folder, 20)
 
 
+def finds_wrong_energy(out):
+    """Whether check_run.py rejects a kinetic energy that is 5% too large."""
+    with check_run.h5py.File(os.path.join(out, "trajectory.h5"), "r+") as run:
+        run["energy/kinetic"][...] = 1.05 * run["energy/kinetic"][:]
+    return check_run.check(out, few=True)["kinetic energy of the poses"][1] > 1
+
+
 def main(extent):
     largest, failed = check_run.Table(), False
     with tempfile.TemporaryDirectory() as folder:
@@ -82,6 +89,13 @@ def main(extent):
                 if ratio > 1:
                     failed = True
                     print(f"{words}: {name}: {difference:.3g} of the scale, {ratio:.3g} of its bound", flush=True)
+        model = os.path.join(folder, "tumbling")
+        run("generate", "tessellation", model, "--rows", "2", "--columns", "2", "--start-angle", "20")
+        out = os.path.join(folder, "wrong")
+        run("simulate", model, "--path", "straight", "--contacts", "none", "--tolerance", "1e-6", "--out", out)
+        if not finds_wrong_energy(out):
+            print("a kinetic energy that is 5% too large is not found")
+            failed = True
     check_run.report(largest.rows)
     return int(failed)
 

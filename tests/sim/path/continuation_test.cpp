@@ -427,8 +427,9 @@ TEST(Continuation, ReportsThatFlushTilesHoldEachOther) {
       generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
   scene.environment.contacts = scene::ContactFilter::All;
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
-  EXPECT_EQ(run.outcome, run::Outcome::Settled);
+  EXPECT_EQ(run.outcome, run::Outcome::Locked);
   EXPECT_THAT(run.reason, testing::StartsWith("contacts lock the tiles at the start"));
+  EXPECT_EQ(run.shortfall, run.reason);
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 

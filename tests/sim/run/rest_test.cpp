@@ -11,6 +11,7 @@
 namespace kirireel {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -132,6 +133,60 @@ TEST(Rest, ASheetWithoutFreedomIsReported) {
   const run::DeploymentResult result = deploy::deploy(immobile(), 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("(0 degrees of freedom)")) << result.reason;
+}
+
+/// A sheet that is open at its start.
+scene::Scene openSheet() {
+  scene::Scene scene = sheet();
+  model::TessellationShape shape;
+  shape.startAngle = 20 * kDegree;
+  scene.model = model::makeTessellation(shape);
+  scene.stop.duration = 20;
+  return scene;
+}
+
+std::string reasonOf(const scene::Scene& scene) {
+  const run::DeploymentResult result = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Locked) << result.reason;
+  return result.reason;
+}
+
+TEST(Reasons, SpringsThatATimelineSwitchesOff) {
+  for (const bool isOnGround : {false, true}) {
+    scene::Scene scene = openSheet();
+    scene.environment.contacts = scene::ContactFilter::None;
+    scene.environment.linearDamping = scene.environment.angularDamping = 0.95;
+    if (isOnGround) {
+      scene.environment.ground = scene::Ground{0, 0.5};
+      scene.environment.gravity = {0, 0, -9.81};
+    }
+    scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.1}, scene::timeline::Forces{false}, {}}};
+    EXPECT_THAT(reasonOf(scene), EndsWith(": the timeline switched the springs off"));
+  }
+}
+
+TEST(Reasons, PinsThatCarryLoad) {
+  scene::Scene scene = openSheet();
+  scene.timeline = {{{}, scene::timeline::Pin{{0, 15}}, {}}};
+  EXPECT_THAT(reasonOf(scene),
+              EndsWith(": the pull is in equilibrium with the pins of tile 0, tile 15"));
+}
+
+TEST(Reasons, GravityThatPullsAgainstTheSprings) {
+  scene::Scene scene = openSheet();
+  scene.environment.gravity = {0, -30, 0};
+  scene.timeline = {{{}, scene::timeline::Pin{{0}}, {}}};
+  EXPECT_THAT(reasonOf(scene),
+              EndsWith(": the pull is in equilibrium with gravity, the pins of tile 0"));
+}
+
+// Friction could hold these tiles, but without it the joints would.
+TEST(Reasons, JointsComeBeforeFriction) {
+  scene::Scene scene = immobile();
+  scene.environment.ground = scene::Ground{0, 0.5};
+  scene.environment.gravity = {0, 0, -1e6};
+  scene.stop.duration = 20;
+  EXPECT_THAT(reasonOf(scene), HasSubstr("(0 degrees of freedom)"));
 }
 
 }  // namespace

@@ -158,6 +158,28 @@ TEST(Holds, CarryWhatRestsOnTheGround) {
   EXPECT_LT(end.holds[0].moment.norm(), 1e-6);
 }
 
+// A brick slides on the ground in its plane. The ground pushes with the weight and brakes with mu
+// times the weight.
+TEST(Holds, OfAPlanarBrickIncludeTheWeight) {
+  for (const double friction : {0.0, 0.3}) {
+    scene::Scene scene = fallingBricks(0);
+    scene.environment.ground->friction = friction;
+    scene.solver.planar = true;
+    scene.velocities = {{{}, {1, 0, 0}, {}}};
+    scene.stop.duration = 0.2;
+    const std::vector<trajectory::Sample> samples = samplesOf(scene);
+    EXPECT_TRUE(samples.front().mechanics->holds.empty());
+    for (std::size_t k = 1; k < samples.size(); ++k) {
+      const std::vector<trajectory::Hold>& holds = samples[k].mechanics->holds;
+      ASSERT_EQ(holds.size(), 1U) << k;
+      const Vector3 force(-friction * kGravity, 0, kGravity);  // of 1 kg
+      EXPECT_LT((holds[0].force - force).norm(), 1e-6) << holds[0].force.transpose();
+      const Vector3 below = samples[k].poses[0].position - Vector3(0, 0, 0.1);
+      EXPECT_LT((holds[0].point - below).norm(), 1e-9);
+    }
+  }
+}
+
 /// Squares hung corner to corner between two pinned ones, by gravity along -y in the plane.
 scene::Scene hangingChain(int count) {
   scene::Scene scene;
@@ -228,8 +250,7 @@ TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
       if (hold.kind == trajectory::HoldKind::Pin) pin += hold.force;
     }
     // Five free bricks, each balanced to 5% of the largest force.
-    // Contacts are not known before the first step.
-    const bool isAtRest = sample.time > 0 && mechanics.energies.kinetic < 1e-6;
+    const bool isAtRest = mechanics.energies.kinetic < 1e-6;
     EXPECT_TRUE(!isAtRest || (pin + weight).norm() < 0.25 * largest) << sample.time;
   }
 }

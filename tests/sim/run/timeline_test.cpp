@@ -245,7 +245,8 @@ TEST(Timelines, PinsThatHoldTheMechanismLockItSoon) {
   scene.timeline = {{{}, Pin{{0, 15}}}};
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Locked);
-  EXPECT_THAT(result.reason, HasSubstr("exact joints allow no further motion"));
+  EXPECT_THAT(result.reason,
+              HasSubstr("no further step keeps the joints closed, with pinned tiles 0, 15"));
   EXPECT_LT(result.trajectory.samples.back().time, 2);  // measured 0.78 s
 }
 
