@@ -772,12 +772,16 @@ double shareOf(const ColourScale& scale, double value) {
   return range > 0 ? (value - scale.least) / range : 0;
 }
 
+std::string unitSymbol(const LengthUnit& unit) {
+  return unit.name == "um" ? "\u00b5m" : unit.name;
+}
+
 ScaleLength roundLength(double longest, const LengthUnit& unit) {
   const double units = longest / unit.metres;
   const double power = std::pow(10.0, std::floor(std::log10(units) + 1e-9));
   const double ratio = units / power * (1 + 1e-9);
   const double length = power * (ratio >= 5 ? 5 : ratio >= 2 ? 2 : 1);
-  return {length * unit.metres, fmt::format("{:g} {}", length, unit.name)};
+  return {length * unit.metres, fmt::format("{:g} {}", length, unitSymbol(unit))};
 }
 
 int ScaleDrawer::baseline(int y) const {

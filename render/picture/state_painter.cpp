@@ -634,9 +634,9 @@ std::string shapeName(const model::Brick& brick) {
 std::string titleOf(Colouring colouring, const LengthUnit& unit) {
   switch (colouring) {
     case Colouring::TargetError:
-      return "target error, " + unit.name;
+      return "target error, " + unitSymbol(unit);
     case Colouring::Displacement:
-      return "displacement, " + unit.name;
+      return "displacement, " + unitSymbol(unit);
     case Colouring::Rotation:
       return "rotation, degrees";
     case Colouring::Moment:
@@ -644,7 +644,7 @@ std::string titleOf(Colouring colouring, const LengthUnit& unit) {
     case Colouring::Energy:
       return "energy, J";
     default:
-      return "joint gap, " + unit.name;
+      return "joint gap, " + unitSymbol(unit);
   }
 }
 

@@ -23,7 +23,7 @@ TEST(RoundLength, IsTheLongestOneTwoOrFive) {
   EXPECT_EQ(text(0.06, "m"), "0.05 m");
   EXPECT_EQ(text(0.06, "mm"), "50 mm");
   EXPECT_EQ(text(0.06, "in"), "2 in");  // 2.36 in
-  EXPECT_EQ(text(7e-5, "um"), "50 um");
+  EXPECT_EQ(text(7e-5, "um"), "50 µm");
   EXPECT_EQ(text(6000, "km"), "5 km");
   for (const LengthUnit& unit : lengthUnits()) {
     for (double longest = 1e-6; longest < 1e5; longest *= 1.37) {
