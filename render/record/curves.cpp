@@ -38,6 +38,8 @@ constexpr const char* kOpening = "opening_mean_deg";
 constexpr const char* kLoadCurves = "load_curve";
 // Smaller displacements are rounding, as a fraction of the model's size or in radians.
 constexpr double kStillGrip = 1e-9;
+// Smaller errors, gaps and overlaps are rounding, as a fraction of the model's size.
+constexpr double kRounding = 1e-12;
 
 /// Each format has its own name, so a folder can have all of them.
 const char* fileOf(picture::PageFormat format) {
@@ -89,6 +91,31 @@ PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<d
     if (curve->column == kOpening && curve->hasValues()) return {title, curve->values};
   }
   throw InputError("error: the model has no joints that open; plot --against time or progress");
+}
+
+/// Converts lengths and areas from metres, for figures.
+void convertLengths(PlottedRun& run, const LengthUnit& unit) {
+  run.rounding /= unit.metres;
+  for (trajectory::CurveGroup& group : run.groups) {
+    const int power = group.unit == "m" ? 1 : group.unit == "m²" ? 2 : 0;
+    if (power == 0) continue;
+    group.unit = picture::unitSymbol(unit) + (power == 2 ? "²" : "");
+    for (trajectory::Curve& curve : group.curves) {
+      for (double& value : curve.values) value /= std::pow(unit.metres, power);
+    }
+  }
+}
+
+/// The unit of all models, or metres if they have several.
+LengthUnit commonUnit(const std::vector<NamedRun>& runs) {
+  const auto unitOf = [](const NamedRun& run) { return run.reader->subject().model.unit; };
+  const bool isSame = std::ranges::all_of(
+      runs, [&](const NamedRun& run) { return unitOf(run) == unitOf(runs[0]); });
+  return !runs.empty() && isSame ? unitOf(runs[0]) : LengthUnit{};
+}
+
+double roundingOf(const trajectory::TrajectoryReader& run) {
+  return kRounding * model::modelSize(run.subject().model);
 }
 
 /// "Poisson's ratio" as "poissons_ratio".
@@ -265,11 +292,16 @@ std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& cu
   return selectCurves(curves.groups, names);
 }
 
-/// Whether a diagram shows a line for the curve.
-bool canBePlotted(const trajectory::Curve& curve, bool isLogarithmic) {
-  return std::ranges::any_of(curve.values, [isLogarithmic](double value) {
-    return std::isfinite(value) && (!isLogarithmic || value > 0);
-  });
+/// Removes curves without a line in a diagram. Values of logarithmic groups count above `least`.
+void eraseEmpty(std::vector<trajectory::CurveGroup>& groups, double least) {
+  for (trajectory::CurveGroup& group : groups) {
+    std::erase_if(group.curves, [&](const trajectory::Curve& curve) {
+      return std::ranges::none_of(curve.values, [&](double value) {
+        return std::isfinite(value) && (!group.isLogarithmic || value > least);
+      });
+    });
+  }
+  std::erase_if(groups, [](const trajectory::CurveGroup& group) { return group.curves.empty(); });
 }
 
 /// The fraction of the motion at each sample, as in a video at an even pace: 0 at the start, 1 at
@@ -286,15 +318,12 @@ std::vector<double> progressOf(const trajectory::TrajectoryReader& run) {
 PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
                         CurvesAgainst against, const char* option) {
   trajectory::RunCurves curves = trajectory::curvesOf(run);
-  for (trajectory::CurveGroup& group : curves.groups) {
-    std::erase_if(group.curves, [&group](const trajectory::Curve& curve) {
-      return !canBePlotted(curve, group.isLogarithmic);
-    });
-  }
-  std::erase_if(curves.groups,
-                [](const trajectory::CurveGroup& group) { return group.curves.empty(); });
-  return {"", selectCurves(curves.groups, {name}, option),
-          abscissaOf(curves, progressOf(run), against)};
+  eraseEmpty(curves.groups, 0);
+  PlottedRun plotted{"", selectCurves(curves.groups, {name}, option),
+                     abscissaOf(curves, progressOf(run), against)};
+  plotted.rounding = roundingOf(run);
+  convertLengths(plotted, run.subject().model.unit);
+  return plotted;
 }
 
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
@@ -313,11 +342,16 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
     }
     plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
                        abscissaOf(curves, progress, settings.against)});
+    plotted.back().rounding = roundingOf(*runs[k].reader);
+    if (settings.selected.empty()) eraseEmpty(plotted.back().groups, plotted.back().rounding);
     if (k == 0) first = curves.groups;
   }
   for (const FileColumn& column : settings.columns) {
-    if (!runs.empty()) plotted.push_back(columnRun(column, settings.against, first));
+    if (runs.empty()) break;
+    plotted.push_back(columnRun(column, settings.against, first));
+    plotted.back().rounding = roundingOf(*runs[0].reader);
   }
+  for (PlottedRun& run : plotted) convertLengths(run, commonUnit(runs));
   return plotted;
 }
 
@@ -368,9 +402,12 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
 //
 // In a panel of a page, the box of the panel gives width and height.
 //
-// The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). The
-// horizontal axis follows from the abscissa; it begins and ends with the curves. A position in a
-// diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
+// The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). A
+// logarithmic axis begins at the least value that is not rounding, and at most six decades below
+// the largest value of a curve: with more, a motion over two decades would be a line at the top.
+// Lower parts of curves are on the lower border. If all values are rounding, all are shown and the
+// title says so. The horizontal axis follows from the abscissa; it begins and ends with the curves.
+// A position in a diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
 //
 // The same code draws SVG, PDF and PNG through Canvas (render/picture/canvas.h).
 
@@ -396,6 +433,8 @@ constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
 /// Height of a diagram as a fraction of its width.
 constexpr double kAspect = 0.5;
+/// Largest ratio between the largest value of a curve and the low end of a logarithmic axis.
+constexpr double kLargestRatio = 1e6;
 /// Lengths of dashes and gaps of dashed lines, em.
 constexpr double kDash = 0.5;
 constexpr double kGap = 0.3;
@@ -420,7 +459,16 @@ struct Diagram {
   std::string title;   ///< with the unit
   std::string across;  ///< title of the abscissa
   bool isLogarithmic = false;
+  double rounding = 0;  ///< least of its runs, see PlottedRun
   std::vector<PlotLine> lines;
+
+  /// Whether all values are rounding.
+  bool isRounding() const {
+    return isLogarithmic && std::ranges::all_of(lines, [this](const PlotLine& line) {
+             return std::ranges::none_of(line.values,
+                                         [this](double value) { return value > rounding; });
+           });
+  }
 };
 
 namespace {
@@ -437,9 +485,10 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
         return other.title == title && other.across == run.abscissa.title;
       });
       if (diagram == diagrams.end()) {
-        diagram =
-            diagrams.insert(diagrams.end(), {title, run.abscissa.title, group.isLogarithmic, {}});
+        diagram = diagrams.insert(
+            diagrams.end(), {title, run.abscissa.title, group.isLogarithmic, run.rounding, {}});
       }
+      diagram->rounding = std::min(diagram->rounding, run.rounding);
       for (const trajectory::Curve& curve : group.curves) {
         if (!curve.hasValues()) continue;
         const bool isOnly = group.curves.size() == 1 && !run.isLoadCurve;
@@ -522,7 +571,8 @@ struct DiagramAxes {
     const double value = line.values[sample], at = line.across[sample];
     if (!std::isfinite(at) || !std::isfinite(value)) return std::nullopt;
     if (up.isLogarithmic && value <= 0) return std::nullopt;
-    return place(across.shareOf(at), up.shareOf(value));
+    const double shown = up.isLogarithmic ? std::max(value, up.low) : value;
+    return place(across.shareOf(at), up.shareOf(shown));
   }
 };
 
@@ -544,8 +594,19 @@ picture::Axis makeUpAxis(const Diagram& diagram) {
     std::ranges::copy_if(line.values, std::back_inserter(values),
                          [](double value) { return std::isfinite(value); });
   }
-  return diagram.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
-                               : picture::makeAxis(values, kTicksUp);
+  if (!diagram.isLogarithmic) return picture::makeAxis(values, kTicksUp);
+  if (!diagram.isRounding()) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const PlotLine& line : diagram.lines) {
+      double largest = 0;
+      for (const double value : line.values) {
+        if (std::isfinite(value)) largest = std::max(largest, value);
+      }
+      if (largest > 0) least = std::min(least, std::max(diagram.rounding, largest / kLargestRatio));
+    }
+    for (double& value : values) value = value > 0 ? std::max(value, least) : value;
+  }
+  return picture::makeLogarithmicAxis(values, kTicksUp);
 }
 
 /// Diagrams with the same title of the abscissa share its axis.
@@ -642,7 +703,8 @@ class Plotter {
     const picture::PageBox& box = axes.box;
     const double baseline = box.upper - 0.6 * em_;
     const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
-    const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "");
+    const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "") +
+                              (diagram.isRounding() ? " (only rounding)" : "");
     write(title, box.left, baseline, colours_.text);
     if (diagram.lines.size() < 2) return;
     double needed = width(title);

@@ -34,6 +34,9 @@ struct PlottedRun {
   /// Whether the line from each sample to the next is dashed. Empty: no line is.
   std::vector<bool> isDashed = {};
   bool isLoadCurve = false;  ///< of a run that also has other curves, see loadCurvesOf()
+  /// Smaller values of logarithmic groups are rounding, in the groups' unit. A diagram of only such
+  /// values says so; others begin there.
+  double rounding = 0;
 };
 
 /// Appearance of a figure.
@@ -120,8 +123,8 @@ enum class CurvesAgainst {
   Opening,   ///< the mean opening of the joints, degrees
 };
 
-/// The curves of a run with this name, see selectCurves(). Only curves with values count. Reads the
-/// trajectory once. Throws InputError like selectCurves().
+/// The curves of a run with this name, see selectCurves(), in the unit of the model. Only curves
+/// with values count. Reads the trajectory once. Throws InputError like selectCurves().
 PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
                         CurvesAgainst against, const char* option);
 
@@ -140,7 +143,8 @@ struct NamedRun {
 
 /// The outputs of runs' curves.
 struct CurvesSettings {
-  /// Selected curves, see selectCurves(), and "load_curve"; empty: all.
+  /// Selected curves, see selectCurves(), and "load_curve"; empty: all except curves that are only
+  /// rounding.
   std::vector<std::string> selected;
   /// Additional data, in the diagram of the curve with this column, else in a separate one. The
   /// horizontal axis is the column with the same name as for runs, else the first.
@@ -161,7 +165,8 @@ std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<d
 using CurvesObserver = std::function<void(std::size_t run, const trajectory::RunCurves& curves,
                                           const std::vector<double>& progress)>;
 
-/// The selected curves of runs, in the form for a figure. Reads each trajectory once. Throws
+/// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
+/// models if all have the same unit, else in metres. Reads each trajectory once. Throws
 /// InputError if a run lacks the quantity of the axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,

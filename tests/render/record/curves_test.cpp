@@ -9,6 +9,8 @@
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/model/lattice.h"
+#include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -135,11 +137,31 @@ TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
 TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
   const std::string svg = plotted(picture::PageFormat::Svg);
   for (const char* text : {">Size, m<", ">width<", ">depth<", ">Poisson's ratio<", ">Joint gap, m<",
-                           ">simulated time, s<", ">1e-13<"}) {
+                           ">simulated time, s<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(svg, Not(HasSubstr("Target error")));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(CurvesPlot, LogarithmicAxesBeginAboveRounding) {
+  // An error that falls from 0.1 to rounding.
+  record::PlottedRun run = someRun();
+  const auto svgOf = [&run](double middle, double last, double rounding) {
+    run.groups = {{"Error", "m", true, {{"error", "error_m", {0.1, middle, last}}}}};
+    run.rounding = rounding;
+    return record::plotCurves({run}, picture::PageFormat::Svg, {});
+  };
+  const std::string measured = svgOf(0.01, 2e-19, 1e-4);
+  EXPECT_THAT(measured, HasSubstr(">1e-4<"));
+  EXPECT_THAT(measured, Not(HasSubstr(">1e-5<")));
+  EXPECT_THAT(measured, Not(HasSubstr("rounding")));
+  const std::string wide = svgOf(0.01, 2e-19, 1e-12);  // at most six decades
+  EXPECT_THAT(wide, HasSubstr(">1e-7<"));
+  EXPECT_THAT(wide, Not(HasSubstr(">1e-9<")));
+  run.groups = {{"Gap", "m", true, {{"gap", "gap_m", {1e-17, 3e-16, 2e-16}}}}};
+  EXPECT_THAT(record::plotCurves({run}, picture::PageFormat::Svg, {}),
+              HasSubstr(">Gap, m (only rounding)<"));
 }
 
 TEST(CurvesPlot, HasTheSameBytesEachTime) {
@@ -196,6 +218,66 @@ TEST(Curves, AreSelectedByGroupOrColumn) {
     EXPECT_THAT(error.what(), StartsWith("error: --curves: there is no curve 'gapp'; give some of "
                                          "size, width, depth, poissons_ratio, "));
   }
+}
+
+/// Runs in folders, each with a model in a unit.
+class CurvesInUnits : public ::testing::Test {
+ protected:
+  std::unique_ptr<record::NamedRun> recorded(const std::string& name, const LengthUnit& unit) {
+    scene::Scene scene;
+    scene.model = model::makeTessellation({.columns = 2, .rows = 2});
+    for (auto* tiles : {&scene.model.tiles, &*scene.model.target}) {
+      for (model::Tile& tile : *tiles) {
+        for (Vector3& vertex : tile.vertices) vertex *= unit.metres;
+      }
+    }
+    scene.model.unit = unit;
+    trajectory::Trajectory trajectory{trajectory::subjectOf(scene)};
+    for (int k = 0; k <= 2; ++k) {
+      trajectory::Sample sample;
+      sample.time = k;
+      sample.poses = model::startPoses(scene.model.tiles, trajectory.bricks);
+      sample.poses[0].position.x() -= unit.metres * k;
+      sample.jointGap = 1e-17 * unit.metres;
+      trajectory.samples.push_back(sample);
+    }
+    std::filesystem::create_directories(folder_ / name);
+    trajectory::writeTrajectory(trajectory, folder_ / name / "trajectory.h5");
+    return std::make_unique<record::NamedRun>(record::openRun(folder_ / name / "trajectory.h5"));
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CurvesInUnits, AreInTheUnitOfTheModel) {
+  std::vector<record::NamedRun> runs;
+  runs.push_back(std::move(*recorded("small", *findLengthUnit("um"))));
+  const record::PlottedRun small = record::plottedRuns(runs, {.selected = {"size", "area"}})[0];
+  EXPECT_EQ(small.groups[0].unit, "µm");
+  EXPECT_EQ(small.groups[1].unit, "µm²");
+  EXPECT_NEAR(small.groups[0].curves[0].values[0], 2, 1e-9);
+  EXPECT_NEAR(small.groups[0].curves[0].values[2], 4, 1e-9);
+  const record::PlottedRun inset =
+      record::plottedCurve(*runs[0].reader, "width", record::CurvesAgainst::Time, "--inset");
+  EXPECT_EQ(inset.groups[0].unit, "µm");
+  EXPECT_NEAR(inset.groups[0].curves[0].values[2], 4, 1e-9);
+  // Several units: metres.
+  runs.push_back(std::move(*recorded("large", *findLengthUnit("km"))));
+  const std::vector<record::PlottedRun> both = record::plottedRuns(runs, {.selected = {"width"}});
+  EXPECT_EQ(both[0].groups[0].unit, "m");
+  EXPECT_NEAR(both[1].groups[0].curves[0].values[0], 2000, 1e-6);
+}
+
+TEST_F(CurvesInUnits, OnlyRoundingIsShownOnRequest) {
+  std::vector<record::NamedRun> runs;
+  runs.push_back(std::move(*recorded("run", {})));
+  const auto hasGap = [&](const record::CurvesSettings& settings) {
+    return std::ranges::any_of(
+        record::plottedRuns(runs, settings)[0].groups,
+        [](const trajectory::CurveGroup& group) { return group.name == "Joint gap"; });
+  };
+  EXPECT_FALSE(hasGap({}));
+  EXPECT_TRUE(hasGap({.selected = {"joint_gap"}}));
 }
 
 TEST(CurvesPlot, HasTextInItsPdf) {
