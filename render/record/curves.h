@@ -55,6 +55,7 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
                        const PlotSettings& settings);
 
 struct Diagram;
+struct DiagramAxes;
 
 /// A curve on a page.
 struct DrawnCurve {
@@ -85,7 +86,7 @@ class PlotSheet {
   void draw(picture::Canvas& page, const picture::PageBox& box, int columns,
             const std::string& prefix) const;
 
-  /// The curves that draw() draws into this box.
+  /// The curves that draw() draws into this box. Throws like draw().
   std::vector<DrawnCurve> drawnCurves(const picture::PageBox& box, int columns) const;
 
   /// Columns in a figure, unless it has fewer diagrams.
@@ -93,7 +94,7 @@ class PlotSheet {
 
  private:
   int rows(int columns) const;
-  std::vector<picture::PageBox> boxes(const picture::PageBox& box, int columns) const;
+  std::vector<DiagramAxes> axes(const picture::PageBox& box, int columns) const;
 
   const std::vector<PlottedRun>& runs_;
   std::vector<Diagram> diagrams_;
@@ -102,7 +103,8 @@ class PlotSheet {
 };
 
 /// The curves with these names: of groups ("target_error", "opening") or of columns without
-/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves.
+/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves. Curves of one
+/// group are in one group, in the order of the names.
 /// Throws InputError for an unknown name, with the option and the list of known names.
 std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::CurveGroup>& groups,
                                                  const std::vector<std::string>& names,

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/picture/label.h"
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -201,6 +204,86 @@ TEST(CurvesPlot, NamesRunsThatShareADiagram) {
   EXPECT_THAT(svg, Not(HasSubstr(">gap<")));
 }
 
+/// A text in an SVG file, as a box: letters are up to 0.75 em high and 0.22 em below the baseline.
+struct SvgText {
+  std::string text;
+  Eigen::AlignedBox2d box;
+};
+
+std::vector<SvgText> textsOf(const std::string& svg) {
+  std::vector<SvgText> texts;
+  const std::regex pattern(
+      "<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\" font-size=\"([0-9]+)\"[^>]*>([^<]*)<");
+  for (std::sregex_iterator found(svg.begin(), svg.end(), pattern), end; found != end; ++found) {
+    const double x = std::stod((*found)[1]), y = std::stod((*found)[2]);
+    const int em = std::stoi((*found)[3]);
+    const double width = picture::LabelWriter(em).width((*found)[4]);
+    texts.push_back({(*found)[4], Eigen::AlignedBox2d(Eigen::Vector2d(x, y - 0.75 * em),
+                                                      Eigen::Vector2d(x + width, y + 0.22 * em))});
+  }
+  return texts;
+}
+
+/// The points of lines in the colours of curves, at most a pixel apart.
+std::vector<Eigen::Vector2d> curvePointsOf(const std::string& svg) {
+  std::vector<Eigen::Vector2d> points;
+  const std::regex paths(
+      "<path fill=\"none\" stroke=\"#(?:2b64a6|c2571a|3d8b5f)\"[^>]* d=\"([^\"]*)\"");
+  const std::regex pairs("([ML]?) ?([-0-9.]+)[ ,]([-0-9.]+)");
+  for (std::sregex_iterator path(svg.begin(), svg.end(), paths), end; path != end; ++path) {
+    const std::string data = (*path)[1];
+    Eigen::Vector2d last = Eigen::Vector2d::Zero();
+    for (std::sregex_iterator pair(data.begin(), data.end(), pairs); pair != end; ++pair) {
+      const Eigen::Vector2d point(std::stod((*pair)[2]), std::stod((*pair)[3]));
+      const double steps = (*pair)[1] == "M" ? 0 : std::ceil((point - last).norm());
+      for (double k = 1; k <= steps; ++k) points.push_back(last + k / steps * (point - last));
+      last = point;
+    }
+  }
+  return points;
+}
+
+/// Texts are on the page and cover neither each other nor curves, in figures of any width.
+TEST(CurvesPlot, TextsAreApart) {
+  std::vector<record::PlottedRun> runs;
+  for (const char* name : {"r_heart_um", "r_tri_up_mm", "r_isl_side_km"}) {
+    record::PlottedRun run{name, {}, {"share of the motion", {}}};
+    std::vector<double> rising, ratios, waves;
+    for (int k = 0; k <= 40; ++k) {
+      const double at = k / 40.0, shift = 0.3 * static_cast<double>(runs.size());
+      run.abscissa.values.push_back(at);
+      rising.push_back(1000 * (at + shift));
+      ratios.push_back(-1.2 + 0.01 * at * (1 - shift));
+      waves.push_back(std::sin(12 * at + shift));  // in all corners
+    }
+    run.groups = {{"Opening", "degrees", false, {{"mean", "opening_mean_deg", rising}}},
+                  {"Poisson's ratio", "", false, {{"ratio", "poissons_ratio", ratios}}},
+                  {"Force on held tiles", "N", false, {{"pins", "pin_force_N", waves}}}};
+    runs.push_back(std::move(run));
+  }
+  for (const double width : {40.0, 60.0, 90.0, 180.0}) {
+    SCOPED_TRACE(width);
+    const std::string svg =
+        record::plotCurves(runs, picture::PageFormat::Svg, {.width = width, .dotsPerInch = 300});
+    const std::vector<SvgText> texts = textsOf(svg);
+    const std::vector<Eigen::Vector2d> points = curvePointsOf(svg);
+    EXPECT_GT(texts.size(), 25U);
+    EXPECT_GT(points.size(), 900U);
+    for (std::size_t k = 0; k < texts.size(); ++k) {
+      const Eigen::AlignedBox2d& box = texts[k].box;
+      EXPECT_GE(box.min().x(), 0) << texts[k].text;
+      EXPECT_LE(box.max().x(), width / 25.4 * 300 + 1) << texts[k].text;
+      for (std::size_t other = 0; other < k; ++other) {
+        EXPECT_FALSE(box.intersects(texts[other].box))
+            << texts[k].text << " and " << texts[other].text;
+      }
+      const bool isCovered = std::ranges::any_of(
+          points, [&box](const Eigen::Vector2d& point) { return box.contains(point); });
+      EXPECT_FALSE(isCovered) << texts[k].text;
+    }
+  }
+}
+
 TEST(Curves, AreSelectedByGroupOrColumn) {
   const trajectory::RunCurves curves = someCurves();
   EXPECT_EQ(record::selectCurves(curves.groups, {}).size(), 4U);
@@ -211,6 +294,10 @@ TEST(Curves, AreSelectedByGroupOrColumn) {
   ASSERT_EQ(chosen[1].curves.size(), 1U);
   EXPECT_EQ(chosen[1].curves[0].column, "depth_m");
   EXPECT_EQ(record::selectCurves(curves.groups, {"size"})[0].curves.size(), 2U);
+  const auto both = record::selectCurves(curves.groups, {"depth", "joint_gap", "width", "depth"});
+  ASSERT_EQ(both.size(), 2U);
+  ASSERT_EQ(both[0].curves.size(), 2U);
+  EXPECT_EQ(both[0].curves[1].name, "width");
   try {
     record::selectCurves(curves.groups, {"gapp"});
     FAIL();
