@@ -257,7 +257,7 @@ Json coloursJson(const picture::BrickColours& colours) {
   return {colourJson(colours.bottom), colourJson(colours.top), colourJson(colours.side)};
 }
 
-/// Directions are unit vectors in the camera's axes, strengths 0 to 1.
+/// Directions are unit vectors in picture axes, strengths 0 to 1.
 Json lightsJson(const picture::Style& style) {
   const auto light = [](const picture::Light& from) -> Json {
     return {{"direction", record::vectorJson(from.direction)}, {"strength", from.strength}};
@@ -499,6 +499,7 @@ Json styleJson(picture::Theme theme, const picture::Look& look) {
           {"ground", colourJson(style.ground)},
           {"scenery", colourJson(style.scenery)},
           {"shadow", colourJson(style.shadow)},
+          {"shadow_source", record::vectorJson(style.shadowSource)},
           {"mark", colourJson(style.mark)},
           {"overlay", colourJson(style.overlay)},
           {"slit_width", look.outlines ? look.outlineWidths.slits : 0},

@@ -218,6 +218,13 @@ Camera atDistance(const Camera& camera, double distance) {
   return moved;
 }
 
+Matrix3 pictureFromWorld(const Camera& camera) {
+  const auto [right, up, back] = pictureAxes(camera);
+  Matrix3 rotation;
+  rotation << right.transpose(), up.transpose(), back.transpose();
+  return rotation;
+}
+
 double distanceAlongView(const Camera& camera, const Vector3& point) {
   return (camera.centre - camera.eye).normalized().dot(point - camera.eye);
 }

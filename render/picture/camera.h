@@ -82,6 +82,9 @@ Camera fitCameraToBall(const Vector3& centre, double radius, const CameraFit& fi
 /// perspective this changes the size of the picture's middle.
 Camera atDistance(const Camera& camera, double distance);
 
+/// The rotation from world axes to picture axes: +x to the right, +y up, +z towards the eye.
+Matrix3 pictureFromWorld(const Camera& camera);
+
 /// Distance of a point from the eye along the view, metres.
 double distanceAlongView(const Camera& camera, const Vector3& point);
 

@@ -399,7 +399,7 @@ std::string progressText(double progress) {
 
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
   const auto lengthText = [&](double metres) {
-    return fmt::format("{} {}", twoDigits(metres / values.unit.metres), values.unit.name);
+    return fmt::format("{} {}", twoDigits(metres / values.unit.metres), unitSymbol(values.unit));
   };
   std::vector<std::string> texts;
   if (parts.progress) texts.push_back(progressText(values.progress));

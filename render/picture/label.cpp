@@ -731,7 +731,7 @@ void FrameSurface::text(const std::string& line, double left, double baseline, i
 // ------------------------------------------------------------------------------------------------
 // A colour bar from the left: title, gap, bar, with ticks of round values below it. The bar is at
 // most 14 em long, shorter in a narrow sheet. It has at most six ticks, fewer if their numbers do
-// not fit.
+// not fit. If less than 5 em are left for the bar, all of it is drawn with smaller text.
 //
 // A bar of length shows 1, 2 or 5 times a power of ten metres. With L the longest allowed length,
 // p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
@@ -755,6 +755,8 @@ constexpr int kMostTicks = 6;
 constexpr double kTickValueEms = 0.95;
 /// Length of a colour bar, ems, if there is space.
 constexpr double kColourBarLengthEms = 14;
+/// Its least length, ems. With less space the text is smaller.
+constexpr double kLeastColourBarEms = 5;
 
 int pixels(double length) {
   return static_cast<int>(std::lround(length));
@@ -772,12 +774,16 @@ double shareOf(const ColourScale& scale, double value) {
   return range > 0 ? (value - scale.least) / range : 0;
 }
 
+std::string unitSymbol(const LengthUnit& unit) {
+  return unit.name == "um" ? "\u00b5m" : unit.name;
+}
+
 ScaleLength roundLength(double longest, const LengthUnit& unit) {
   const double units = longest / unit.metres;
   const double power = std::pow(10.0, std::floor(std::log10(units) + 1e-9));
   const double ratio = units / power * (1 + 1e-9);
   const double length = power * (ratio >= 5 ? 5 : ratio >= 2 ? 2 : 1);
-  return {length * unit.metres, fmt::format("{:g} {}", length, unit.name)};
+  return {length * unit.metres, fmt::format("{:g} {}", length, unitSymbol(unit))};
 }
 
 int ScaleDrawer::baseline(int y) const {
@@ -788,6 +794,11 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
                                 int width) const {
   const int gap = pixels(2 * kSpaceEms * em_);
   const int title = writer_.width(scale.title);
+  const double needed = title + 3 * gap + kLeastColourBarEms * em_;
+  if (width < needed && em_ > 1) {
+    const ScaleDrawer smaller(std::max(1, static_cast<int>(width / needed * em_)), text_);
+    return smaller.drawColourBar(surface, scale, x, y, width);
+  }
   // A tick's value may extend by half its width; a margin stays free at each end.
   const int length = std::clamp(width - title - 3 * gap, em_, pixels(kColourBarLengthEms * em_));
   const int left = x - (title + gap + length) / 2;

@@ -228,7 +228,7 @@ struct ColourScale {
   ColourMap map = ColourMap::Viridis;  ///< map from values to colours
   double least = 0;                    ///< the value of the scale's dark end
   double most = 1;                     ///< the value of its bright end
-  std::string title;                   ///< quantity and unit, ASCII, for example "target error, m"
+  std::string title;                   ///< quantity and unit, for example "target error, m"
   /// Background for contrast; absent: the map's own colours.
   std::optional<Colour> background = {};
 };
@@ -246,6 +246,9 @@ struct LegendEntry {
 /// 0 if the scale has no range.
 double shareOf(const ColourScale& scale, double value);
 
+/// A unit in the text of figures: "µm" for um, else its name.
+std::string unitSymbol(const LengthUnit& unit);
+
 /// Scale of a picture with a bar of length.
 struct PictureScale {
   double metresPerPixel = 1;  ///< > 0
@@ -256,7 +259,7 @@ struct PictureScale {
 /// or "20 mm".
 struct ScaleLength {
   double metres = 1;  ///< > 0
-  std::string text;   ///< with its unit, ASCII
+  std::string text;   ///< with its unit
 };
 
 /// The longest such length that is at most `longest` metres, > 0.

@@ -1,15 +1,16 @@
 // Converts items into flat polygons of one colour. The painter draws them as triangles and the
 // canvas as shapes, so both show the same.
 //
-// A shadow is the projection of the bricks along the key light onto the plate. For a convex brick
-// it is the convex hull of the projected corners. Facets of the shadow overlap and have one colour,
-// so together they are one flat shape. A light with an extent makes the edge soft: the shadow of a
-// point at height h fades out over s h, with the style's softness s. It is sharp where bricks touch
-// the plate. With t = 1 - d / (s h) at the distance d from the edge, the fraction 3 t^2 - 2 t^3 of
-// the full shadow is drawn. t is rounded to one of n steps, from the palest to the full. Step i has
-// the fraction at t = i / n and extends to t = (i - 1/2) / n: its outlines are the hulls of the
-// projected corners widened to discs of radius s h (1 - t). The main cost of a shadow are its
-// pixels, painted once per step, so there are only as many steps as are visible.
+// A shadow is the projection of the bricks onto the plate, away from the style's shadowSource. For
+// a convex brick it is the convex hull of the projected corners. Facets of the shadow overlap and
+// have one colour, so together they are one flat shape. A light with an extent makes the edge soft:
+// the shadow of a point at height h fades out over s h, with the style's softness s. It is sharp
+// where bricks touch the plate. With t = 1 - d / (s h) at the distance d from the edge, the
+// fraction 3 t^2 - 2 t^3 of the full shadow is drawn. t is rounded to one of n steps, from the
+// palest to the full. Step i has the fraction at t = i / n and extends to t = (i - 1/2) / n: its
+// outlines are the hulls of the projected corners widened to discs of radius s h (1 - t). The main
+// cost of a shadow are its pixels, painted once per step, so there are only as many steps as are
+// visible.
 //
 // Faces that face away from the camera are omitted, because bricks are closed. This includes
 // translucent bricks: they are one layer of colour at any thickness.
@@ -131,6 +132,7 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
 /// Polygons in one colour, lit on the side that faces the camera.
 void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, const Camera& camera,
                  PictureGeometry& geometry) {
+  const Matrix3 towardsPicture = pictureFromWorld(camera);
   for (const auto& [corners] : polygons) {
     const Vector3 normal = polygonNormal(corners);
     const bool isFront = normal.dot(towardsEye(camera, corners[0])) > 0;
@@ -138,7 +140,7 @@ void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, c
     if (!isFront) std::reverse(seen.begin(), seen.end());
     const Vector3 towards = isFront ? normal : Vector3(-normal);
     geometry.solid.push_back(
-        appendFacet(geometry, seen, faceColour(towards, style.scenery, style)));
+        appendFacet(geometry, seen, faceColour(towardsPicture * towards, style.scenery, style)));
   }
 }
 
@@ -280,6 +282,7 @@ void GeometryBuilder::drawBrick(const std::vector<Face>& faces, const Pose& pose
                                 PictureGeometry& geometry) const {
   std::vector<Facet>& layer = colours.top.alpha < 255 ? geometry.translucent : geometry.solid;
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
+  const Matrix3 towardsPicture = pictureFromWorld(camera);
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const Face& face = faces[k];
     const Vector3 normal = rotation * face.normal;
@@ -291,7 +294,8 @@ void GeometryBuilder::drawBrick(const std::vector<Face>& faces, const Pose& pose
     for (const Vector3& point : face.corners) {
       corners.push_back(pose.position + rotation * point);
     }
-    const Colour lit = faceColour(normal, base, style_, occluded ? occluded(corners, normal) : 0);
+    const Colour lit =
+        faceColour(towardsPicture * normal, base, style_, occluded ? occluded(corners, normal) : 0);
     const Facet whole = appendFacet(
         geometry, corners, mixed(lit, style_.background, distantShare(depthCue, camera, corners)));
     if (face.triangles.empty()) layer.push_back(whole);
@@ -345,7 +349,7 @@ void GeometryBuilder::appendCast(const std::vector<Face>& faces, const Pose& pos
     return;
   }
   for (const Face& face : faces) {
-    if (style_.key.direction.dot(pose.rotation * face.normal) <= 0) continue;
+    if (style_.shadowSource.dot(pose.rotation * face.normal) <= 0) continue;
     for (const auto& triangle : face.triangles) {
       CastPoints& part = cast.emplace_back();
       for (const int corner : triangle) part.add(pose.apply(face.corners[corner]), style_);

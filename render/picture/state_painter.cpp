@@ -73,6 +73,13 @@ Colour groundColour(const Look& look, const PictureContent& content) {
   return colour;
 }
 
+/// The colour in a picture of a face that is seen face on. On a transparent page it keeps its
+/// alpha.
+Colour shownFaceOn(Colour base, const Style& style, Colour behind) {
+  const Colour lit = faceColour(Vector3::UnitZ(), base, style);
+  return style.background.alpha < 255 ? lit : blended(behind, lit);
+}
+
 /// In heights of the picture, from points in print.
 void setOutlineWidths(const Look& look, FrameSize size, Style& style) {
   const double dots = look.pixelsPerInch.value_or(pixelsPerInchOf(size));
@@ -267,7 +274,11 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines),
       trails_(look.trails),
-      cueShare_(look.depthCue) {
+      cueShare_(look.depthCue),
+      legend_(palette_.legend()) {
+  for (LegendEntry& entry : legend_) {
+    entry.colour = shownFaceOn(entry.colour, style_, groundColour(look, content_));
+  }
   if (targetLines_) requireTarget(content_, "--target-lines");
   requireVertices(trails_, content_.bricks);
   if (look.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
@@ -624,9 +635,9 @@ std::string shapeName(const model::Brick& brick) {
 std::string titleOf(Colouring colouring, const LengthUnit& unit) {
   switch (colouring) {
     case Colouring::TargetError:
-      return "target error, " + unit.name;
+      return "target error, " + unitSymbol(unit);
     case Colouring::Displacement:
-      return "displacement, " + unit.name;
+      return "displacement, " + unitSymbol(unit);
     case Colouring::Rotation:
       return "rotation, degrees";
     case Colouring::Moment:
@@ -634,7 +645,7 @@ std::string titleOf(Colouring colouring, const LengthUnit& unit) {
     case Colouring::Energy:
       return "energy, J";
     default:
-      return "joint gap, " + unit.name;
+      return "joint gap, " + unitSymbol(unit);
   }
 }
 
@@ -709,13 +720,16 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
         "--colour or add --hinge-stiffness or --hinge-neck");
   }
+  if (look.opacity < 1 || !look.tileOpacities.empty()) findOpacities(look);
   if (colouring_ == Colouring::Shape) colourShapes();
   if (colouring_ == Colouring::State) {
-    legend_ = {{kAtStart, "at its start"}, {kMoving, "on its way"}};
-    if (content.target) legend_.push_back({kAtTarget, "at its target"});
+    addToLegend(kAtStart, look.opacity, "at its start");
+    addToLegend(kMoving, look.opacity, "on its way");
+    if (content.target) addToLegend(kAtTarget, look.opacity, "at its target");
   }
   if (!look.tileColours.empty()) colourTiles(look);
-  if (look.opacity < 1 || !look.tileOpacities.empty()) findOpacities(look);
+  const bool hasOwn = !own_.empty() || !opacities_.empty();
+  if (kinds_.empty() && hasOwn) kinds_.assign(content.bricks.size(), plainColours(look));
   if (isMeasure(colouring_)) makeScale(look);
 }
 
@@ -733,13 +747,20 @@ void BrickPalette::makeScale(const Look& look) {
                        groundColour(look, content_)};
 }
 
+void BrickPalette::addToLegend(Colour colour, double opacity, std::string text) {
+  legend_.push_back({withOpacity(shadesOf(colour), opacity).top, std::move(text)});
+}
+
+double BrickPalette::opacityOf(std::size_t brick) const {
+  return opacities_.empty() ? 1 : opacities_[brick];
+}
+
 void BrickPalette::findOpacities(const Look& look) {
   opacities_.assign(content_.bricks.size(), look.opacity);
   for (const auto& [tiles, opacity] : look.tileOpacities) {
     requireTiles("--tile-opacity", tiles, opacities_.size());
     for (const int tile : tiles) opacities_[tile] = opacity;
   }
-  if (kinds_.empty()) kinds_.assign(opacities_.size(), plainColours(look));
 }
 
 void BrickPalette::colourTiles(const Look& look) {
@@ -752,9 +773,8 @@ void BrickPalette::colourTiles(const Look& look) {
   for (const auto& [tiles, colour, name] : look.tileColours) {
     requireTiles("--tile-colour", tiles, own_.size());
     for (const int tile : tiles) own_[tile] = evenShades(colour);
-    if (!name.empty()) legend_.push_back({colour, name});
+    if (!name.empty()) addToLegend(colour, opacityOf(tiles.front()), name);
   }
-  if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
 }
 
 /// Fills colours and legend. Kinds are in order of appearance, so a new kind always has the next
@@ -763,19 +783,20 @@ void BrickPalette::colourShapes() {
   const std::vector<int> kinds = shapeKinds(content_.bricks);
   std::vector<int> counts;
   std::vector<std::string> names;
+  std::vector<double> opacities;
   for (std::size_t brick = 0; brick < kinds.size(); ++brick) {
     const int kind = kinds[brick];
     kinds_.push_back(shadesOf(kindColour(kind)));
     if (kind == static_cast<int>(counts.size())) {
       counts.push_back(0);
       names.push_back(shapeName(content_.bricks[brick]));
+      opacities.push_back(opacityOf(brick));
     }
     ++counts[kind];
   }
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
-    legend_.push_back(
-        {kindColour(static_cast<int>(kind)),
-         fmt::format("{} {}{}", counts[kind], names[kind], counts[kind] == 1 ? "" : "s")});
+    addToLegend(kindColour(static_cast<int>(kind)), opacities[kind],
+                fmt::format("{} {}{}", counts[kind], names[kind], counts[kind] == 1 ? "" : "s"));
   }
 }
 

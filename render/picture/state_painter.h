@@ -263,7 +263,8 @@ class BrickPalette {
 
   /// The scale of the colours of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
-  /// The legend of colours of kinds of bricks: shapes, states, named groups.
+  /// The legend of colours of kinds of bricks: shapes, states, named groups. Unlit, with the
+  /// opacity of the kind's first brick.
   const std::vector<LegendEntry>& legend() const { return legend_; }
   /// The look's colouring.
   Colouring colouring() const { return colouring_; }
@@ -274,6 +275,8 @@ class BrickPalette {
   void colourShapes();
   void colourTiles(const Look& look);
   void findOpacities(const Look& look);
+  void addToLegend(Colour colour, double opacity, std::string text);
+  double opacityOf(std::size_t brick) const;
   void makeScale(const Look& look);
   double largestExpected() const;
   double largestOfRun() const;
@@ -364,8 +367,9 @@ class PictureSetup {
 
   /// The scale of the bricks' colours if they show a measure.
   const std::optional<ColourScale>& colourScale() const { return palette_.scale(); }
-  /// The legend if they show kinds of bricks; otherwise empty.
-  const std::vector<LegendEntry>& legend() const { return palette_.legend(); }
+  /// The legend if they show kinds of bricks; otherwise empty. With the colours of bricks that are
+  /// seen face on.
+  const std::vector<LegendEntry>& legend() const { return legend_; }
   /// Meaning of the bricks' colours.
   Colouring colouring() const { return palette_.colouring(); }
 
@@ -393,6 +397,7 @@ class PictureSetup {
   std::vector<std::vector<std::vector<Vector3>>> ghosts_;  ///< see PictureItems
   double cueShare_;                                        ///< of a depth cue
   std::optional<DepthCue> stillCue_;                       ///< of a fixed camera
+  std::vector<LegendEntry> legend_;
 };
 
 /// A setup with a painter. Use it only in the thread that makes it.

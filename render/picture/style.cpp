@@ -3,9 +3,9 @@
 //     c = round(min(255, base (a + k max(0, n . l_k) + f max(0, n . l_f)) (1 - o s))),
 //
 // with the ambient brightness a, strengths k and f of the key and the fill light, their directions
-// l (unit vectors), the face's normal n, the style's occlusion o and the fraction s of light that
-// other bricks block. Channels are sRGB bytes and not linear light, which would need a conversion
-// for each face and would not improve flat faces.
+// l, the face's normal n (unit vectors in picture axes), the style's occlusion o and the fraction s
+// of light that other bricks block. Channels are sRGB bytes and not linear light, which would need
+// a conversion for each face and would not improve flat faces.
 #include "render/picture/style.h"
 
 #include <algorithm>
@@ -74,8 +74,8 @@ Colour faceColour(const Vector3& normal, Colour base, const Style& style, double
 }
 
 Vector3 shadowOf(const Vector3& point, const Style& style) {
-  const Vector3& light = style.key.direction;
-  return point - (point.z() - style.plate->height) / light.z() * light;
+  const Vector3& source = style.shadowSource;
+  return point - (point.z() - style.plate->height) / source.z() * source;
 }
 
 // On a transparent page only the alpha grows.

@@ -12,10 +12,12 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // Appearance of pictures: colours, lights, outlines, ground.
 
-/// A light at infinity.
+/// A light at infinity that moves with the camera: a face has the same colour in every view that
+/// shows it at the same angle.
 struct Light {
-  Vector3 direction = Vector3::UnitZ();  ///< unit, from the model towards the light, world axes
-  double strength = 0;                   ///< added brightness of a face perpendicular to the light
+  /// Unit, from the model towards the light, picture axes (see pictureFromWorld()).
+  Vector3 direction = Vector3::UnitZ();
+  double strength = 0;  ///< added brightness of a face perpendicular to the light
 };
 
 /// A square plate under the model, visible only from above, with the bricks' shadow on it. The edge
@@ -26,7 +28,7 @@ struct GroundPlate {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x and y of its middle, metres
   double halfSize = 1;                               ///< half a side, metres
   bool visible = true;  ///< false: only the shadow shows, on the background
-  bool shadow = true;   ///< cast by the bricks, along the key light
+  bool shadow = true;   ///< cast by the bricks, away from Style::shadowSource
 };
 
 /// `share` 0 gives the first colour, 1 the second; alpha is the first's.
@@ -64,12 +66,15 @@ struct Style {
   Colour paleEdge = {168, 176, 188};                ///< outlines of dark bricks, see isDark()
   Colour ground = {238, 238, 236};                  ///< of the plate, unlit
   Colour scenery = {176, 176, 174};                 ///< of obstacles
-  /// Unlit colour of the shadow of the key light. With alpha below 255 it blends with the
+  /// Unlit colour of the shadow on the plate. With alpha below 255 it blends with the
   /// background. Overlapping shadows are as dark as one.
   Colour shadow = {206, 207, 208};
   /// Softness of the shadow of a point at height 1 above the plate, 0: hard edges. It is the
-  /// tangent of the angular diameter of the key light.
+  /// tangent of the angular diameter of the light that casts it.
   double shadowSoftness = 0.2;
+  /// Unit, from the model towards the light that casts the shadow, world axes, z > 0. The shadow
+  /// stays in its place if the camera moves.
+  Vector3 shadowSource = {-0.36, -0.48, 0.8};
   Colour mark = {196, 52, 44};     ///< dots on joints
   Colour overlay = {200, 30, 90};  ///< lines drawn over everything
   Colour text = {30, 30, 30};      ///< captions, scales
@@ -80,7 +85,7 @@ struct Style {
   double markSize = 0.016;      ///< diameter of a dot, in heights of the picture
   double overlayWidth = 0.003;  ///< of lines laid over, in heights of the picture
   double ambient = 0.58;        ///< brightness of an unlit face
-  Light key = {Vector3(-0.36, -0.48, 0.8), 0.40};  ///< main light, from the upper left
+  Light key = {Vector3(-0.36, 0.48, 0.8), 0.40};   ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.16};  ///< softer, from the right
   /// Brightness loss of a face that other bricks fully occlude, 0 (none) to 1.
   double occlusion = 0.6;
@@ -95,15 +100,15 @@ Style darkStyle();
 ///   round(min(255, base * (1 - occlusion * occluded)
 ///                       * (ambient + key.strength * max(0, normal . key.direction)
 ///                                  + fill.strength * max(0, normal . fill.direction))))
-/// on sRGB bytes without conversion. Alpha is that of the base. normal: unit, outward, world axes.
-/// occluded: see Occluders, 0 to 1.
+/// on sRGB bytes without conversion. Alpha is that of the base. normal: unit, outward, picture
+/// axes, +z for a face seen face on. occluded: see Occluders, 0 to 1.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);
 
 /// Whether dark outlines would have little contrast to a brick with these colours: luma below 85 of
 /// 255 on the top face.
 bool isDark(const BrickColours& colours);
 
-/// Position of a point's shadow by the key light on the style's plate, which must exist.
+/// Position of a point's shadow on the style's plate, which must exist.
 Vector3 shadowOf(const Vector3& point, const Style& style);
 
 /// The colour at a fraction of the full shadow, from 0 (no shadow) to 1.

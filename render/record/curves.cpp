@@ -38,6 +38,8 @@ constexpr const char* kOpening = "opening_mean_deg";
 constexpr const char* kLoadCurves = "load_curve";
 // Smaller displacements are rounding, as a fraction of the model's size or in radians.
 constexpr double kStillGrip = 1e-9;
+// Smaller errors, gaps and overlaps are rounding, as a fraction of the model's size.
+constexpr double kRounding = 1e-12;
 
 /// Each format has its own name, so a folder can have all of them.
 const char* fileOf(picture::PageFormat format) {
@@ -89,6 +91,31 @@ PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<d
     if (curve->column == kOpening && curve->hasValues()) return {title, curve->values};
   }
   throw InputError("error: the model has no joints that open; plot --against time or progress");
+}
+
+/// Converts lengths and areas from metres, for figures.
+void convertLengths(PlottedRun& run, const LengthUnit& unit) {
+  run.rounding /= unit.metres;
+  for (trajectory::CurveGroup& group : run.groups) {
+    const int power = group.unit == "m" ? 1 : group.unit == "m²" ? 2 : 0;
+    if (power == 0) continue;
+    group.unit = picture::unitSymbol(unit) + (power == 2 ? "²" : "");
+    for (trajectory::Curve& curve : group.curves) {
+      for (double& value : curve.values) value /= std::pow(unit.metres, power);
+    }
+  }
+}
+
+/// The unit of all models, or metres if they have several.
+LengthUnit commonUnit(const std::vector<NamedRun>& runs) {
+  const auto unitOf = [](const NamedRun& run) { return run.reader->subject().model.unit; };
+  const bool isSame = std::ranges::all_of(
+      runs, [&](const NamedRun& run) { return unitOf(run) == unitOf(runs[0]); });
+  return !runs.empty() && isSame ? unitOf(runs[0]) : LengthUnit{};
+}
+
+double roundingOf(const trajectory::TrajectoryReader& run) {
+  return kRounding * model::modelSize(run.subject().model);
 }
 
 /// "Poisson's ratio" as "poissons_ratio".
@@ -194,20 +221,33 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
   std::vector<std::string> known;
   for (const std::string& name : names) {
     const std::string requestedName = name == "theta" ? withoutUnit(kOpening) : name;
-    const std::size_t before = selected.size();
+    bool found = false;
     known.clear();
     for (const trajectory::CurveGroup& group : groups) {
       known.push_back(slugOf(group.name));
-      if (known.back() == requestedName) selected.push_back(group);
-      if (known.back() == requestedName) break;
+      if (known.back() == requestedName) {
+        found = true;
+        std::erase_if(selected, [&group](const trajectory::CurveGroup& other) {
+          return other.name == group.name;
+        });
+        selected.push_back(group);
+        break;
+      }
       for (const trajectory::Curve& curve : group.curves) {
         const std::string column = withoutUnit(curve.column);
         if (column != slugOf(group.name)) known.push_back(column);
         if (column != requestedName && curve.column != requestedName) continue;
-        selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}});
+        found = true;
+        const auto same = std::ranges::find(selected, group.name, &trajectory::CurveGroup::name);
+        if (same == selected.end()) {
+          selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}});
+        } else if (std::ranges::find(same->curves, curve.column, &trajectory::Curve::column) ==
+                   same->curves.end()) {
+          same->curves.push_back(curve);
+        }
       }
     }
-    if (selected.size() > before) continue;
+    if (found) continue;
     if (std::ranges::find(known, withoutUnit(kOpening)) != known.end()) known.emplace_back("theta");
     throw InputError(fmt::format("error: {}: there is no curve '{}'; give some of {}", option, name,
                                  fmt::join(known, ", ")));
@@ -273,11 +313,16 @@ std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& cu
   return selectCurves(curves.groups, names);
 }
 
-/// Whether a diagram shows a line for the curve.
-bool canBePlotted(const trajectory::Curve& curve, bool isLogarithmic) {
-  return std::ranges::any_of(curve.values, [isLogarithmic](double value) {
-    return std::isfinite(value) && (!isLogarithmic || value > 0);
-  });
+/// Removes curves without a line in a diagram. Values of logarithmic groups count above `least`.
+void eraseEmpty(std::vector<trajectory::CurveGroup>& groups, double least) {
+  for (trajectory::CurveGroup& group : groups) {
+    std::erase_if(group.curves, [&](const trajectory::Curve& curve) {
+      return std::ranges::none_of(curve.values, [&](double value) {
+        return std::isfinite(value) && (!group.isLogarithmic || value > least);
+      });
+    });
+  }
+  std::erase_if(groups, [](const trajectory::CurveGroup& group) { return group.curves.empty(); });
 }
 
 /// The fraction of the motion at each sample, as in a video at an even pace: 0 at the start, 1 at
@@ -294,15 +339,12 @@ std::vector<double> progressOf(const trajectory::TrajectoryReader& run) {
 PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
                         CurvesAgainst against, const char* option) {
   trajectory::RunCurves curves = trajectory::curvesOf(run);
-  for (trajectory::CurveGroup& group : curves.groups) {
-    std::erase_if(group.curves, [&group](const trajectory::Curve& curve) {
-      return !canBePlotted(curve, group.isLogarithmic);
-    });
-  }
-  std::erase_if(curves.groups,
-                [](const trajectory::CurveGroup& group) { return group.curves.empty(); });
-  return {"", selectCurves(curves.groups, {name}, option),
-          abscissaOf(curves, progressOf(run), against)};
+  eraseEmpty(curves.groups, 0);
+  PlottedRun plotted{"", selectCurves(curves.groups, {name}, option),
+                     abscissaOf(curves, progressOf(run), against)};
+  plotted.rounding = roundingOf(run);
+  convertLengths(plotted, run.subject().model.unit);
+  return plotted;
 }
 
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
@@ -321,11 +363,16 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
     }
     plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
                        abscissaOf(curves, progress, settings.against)});
+    plotted.back().rounding = roundingOf(*runs[k].reader);
+    if (settings.selected.empty()) eraseEmpty(plotted.back().groups, plotted.back().rounding);
     if (k == 0) first = curves.groups;
   }
   for (const FileColumn& column : settings.columns) {
-    if (!runs.empty()) plotted.push_back(columnRun(column, settings.against, first));
+    if (runs.empty()) break;
+    plotted.push_back(columnRun(column, settings.against, first));
+    plotted.back().rounding = roundingOf(*runs[0].reader);
   }
+  for (PlottedRun& run : plotted) convertLengths(run, commonUnit(runs));
   return plotted;
 }
 
@@ -376,9 +423,20 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
 //
 // In a panel of a page, the box of the panel gives width and height.
 //
-// The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). The
-// horizontal axis follows from the abscissa; it begins and ends with the curves. A position in a
-// diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
+// No text leaves its column or covers other text or a curve:
+//
+// - Numbers have as much space on the left as they need, and less than 4.5 em in columns narrower
+//   than 18 em. Axes have fewer ticks if their numbers would touch.
+// - Titles move towards the borders of their column, and have smaller letters if they are too long.
+// - Names of curves are next to the title; if they do not fit, in a corner of the diagram without
+//   curves; if there is none, in lines between title and diagram.
+//
+// The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). A
+// logarithmic axis begins at the least value that is not rounding, and at most six decades below
+// the largest value of a curve: with more, a motion over two decades would be a line at the top.
+// Lower parts of curves are on the lower border. If all values are rounding, all are shown and the
+// title says so. The horizontal axis follows from the abscissa; it begins and ends with the curves.
+// A position in a diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
 //
 // The same code draws SVG, PDF and PNG through Canvas (render/picture/canvas.h).
 
@@ -402,8 +460,22 @@ constexpr double kLeastEms = 8;
 // Approximate number of ticks; makeAxis takes round values.
 constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
+/// Left of a diagram for numbers, em; in narrow columns this fraction of the column.
+constexpr double kNumbersEms = 4.5;
+constexpr double kNumbersShare = 0.25;
+/// Least distance of numbers of the vertical axis, and the height of a line of names; em.
+constexpr double kTickLineEms = 1.5;
+constexpr double kNameLineEms = 1.25;
+/// The narrowest figure with two diagrams per row, em.
+constexpr double kNarrowFigureEms = 30;
+/// Left of a title for the letter of a panel, em.
+constexpr double kLetterEms = 2.2;
+/// The lowest diagram under lines of names, em. Below it names are in a corner on curves.
+constexpr double kLowestEms = 4;
 /// Height of a diagram as a fraction of its width.
 constexpr double kAspect = 0.5;
+/// Largest ratio between the largest value of a curve and the low end of a logarithmic axis.
+constexpr double kLargestRatio = 1e6;
 /// Lengths of dashes and gaps of dashed lines, em.
 constexpr double kDash = 0.5;
 constexpr double kGap = 0.3;
@@ -412,7 +484,7 @@ constexpr double kGap = 0.3;
 
 /// A line of a diagram.
 struct PlotLine {
-  std::string name;
+  std::string name;  ///< of the run, the curve, or both
   const std::vector<double>& across;
   const std::vector<double>& values;
   const std::vector<bool>& isDashed;  ///< see PlottedRun
@@ -428,7 +500,17 @@ struct Diagram {
   std::string title;   ///< with the unit
   std::string across;  ///< title of the abscissa
   bool isLogarithmic = false;
+  bool isOfLoads = false;  ///< see PlottedRun::isLoadCurve
+  double rounding = 0;     ///< least of its runs, see PlottedRun
   std::vector<PlotLine> lines;
+
+  /// Whether all values are rounding.
+  bool isRounding() const {
+    return isLogarithmic && std::ranges::all_of(lines, [this](const PlotLine& line) {
+             return std::ranges::none_of(line.values,
+                                         [this](double value) { return value > rounding; });
+           });
+  }
 };
 
 namespace {
@@ -437,6 +519,7 @@ namespace {
 std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
   const bool isOne = std::ranges::count(runs, false, &PlottedRun::isLoadCurve) <= 1;
   std::vector<Diagram> diagrams;
+  std::vector<std::vector<const trajectory::Curve*>> curves;  // of the lines of each diagram
   for (const PlottedRun& run : runs) {
     for (const trajectory::CurveGroup& group : run.groups) {
       if (!group.hasValues()) continue;
@@ -445,17 +528,28 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
         return other.title == title && other.across == run.abscissa.title;
       });
       if (diagram == diagrams.end()) {
-        diagram =
-            diagrams.insert(diagrams.end(), {title, run.abscissa.title, group.isLogarithmic, {}});
+        diagram = diagrams.insert(
+            diagrams.end(),
+            {title, run.abscissa.title, group.isLogarithmic, run.isLoadCurve, run.rounding, {}});
+        curves.emplace_back();
       }
+      diagram->rounding = std::min(diagram->rounding, run.rounding);
       for (const trajectory::Curve& curve : group.curves) {
         if (!curve.hasValues()) continue;
-        const bool isOnly = group.curves.size() == 1 && !run.isLoadCurve;
-        const std::string name = isOne    ? curve.name
-                                 : isOnly ? run.name
-                                          : run.name + ", " + curve.name;
-        diagram->lines.push_back({name, run.abscissa.values, curve.values, run.isDashed});
+        diagram->lines.push_back({run.name, run.abscissa.values, curve.values, run.isDashed});
+        curves[diagram - diagrams.begin()].push_back(&curve);
       }
+    }
+  }
+  for (std::size_t k = 0; k < diagrams.size(); ++k) {
+    const bool isOnly =
+        !diagrams[k].isOfLoads && std::ranges::all_of(curves[k], [&](const auto* curve) {
+          return curve->name == curves[k].front()->name;
+        });
+    for (std::size_t line = 0; line < curves[k].size(); ++line) {
+      std::string& name = diagrams[k].lines[line].name;
+      if (isOne) name = curves[k][line]->name;
+      if (!isOne && !isOnly) name += ", " + curves[k][line]->name;
     }
   }
   return diagrams;
@@ -514,11 +608,24 @@ struct PlotColours {
   }
 };
 
-/// The axes of a diagram in its box.
+}  // namespace
+
+/// A text with its place on the page.
+struct PlacedText {
+  std::string text;
+  double left = 0;      ///< pixels
+  double baseline = 0;  ///< pixels
+  int em = 1;           ///< pixels
+};
+
+/// The axes of a diagram in its box, and its texts.
 struct DiagramAxes {
   picture::Axis across;
   picture::Axis up;
   picture::PageBox box;
+  PlacedText title = {};
+  PlacedText acrossTitle = {};
+  std::vector<PlacedText> names = {};  ///< one per line, or empty
 
   /// Pixels from two fractions of the box.
   Eigen::Vector2d place(double acrossShare, double upShare) const {
@@ -530,13 +637,16 @@ struct DiagramAxes {
     const double value = line.values[sample], at = line.across[sample];
     if (!std::isfinite(at) || !std::isfinite(value)) return std::nullopt;
     if (up.isLogarithmic && value <= 0) return std::nullopt;
-    return place(across.shareOf(at), up.shareOf(value));
+    const double shown = up.isLogarithmic ? std::max(value, up.low) : value;
+    return place(across.shareOf(at), up.shareOf(shown));
   }
 };
 
+namespace {
+
 /// Curves begin and end at the borders.
-picture::Axis makeAcrossAxis(const std::vector<double>& values) {
-  picture::Axis axis = picture::makeAxis(values, kTicksAcross);
+picture::Axis makeAcrossAxis(const std::vector<double>& values, int mostTicks) {
+  picture::Axis axis = picture::makeAxis(values, mostTicks);
   const auto [least, largest] = std::ranges::minmax_element(values);
   if (*least < *largest) {
     axis.low = *least;
@@ -546,165 +656,238 @@ picture::Axis makeAcrossAxis(const std::vector<double>& values) {
 }
 
 /// All curves of a diagram share one axis; missing values are omitted.
-picture::Axis makeUpAxis(const Diagram& diagram) {
+picture::Axis makeUpAxis(const Diagram& diagram, int mostTicks) {
   std::vector<double> values;
   for (const PlotLine& line : diagram.lines) {
     std::ranges::copy_if(line.values, std::back_inserter(values),
                          [](double value) { return std::isfinite(value); });
   }
-  return diagram.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
-                               : picture::makeAxis(values, kTicksUp);
+  if (!diagram.isLogarithmic) return picture::makeAxis(values, mostTicks);
+  if (!diagram.isRounding()) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const PlotLine& line : diagram.lines) {
+      double largest = 0;
+      for (const double value : line.values) {
+        if (std::isfinite(value)) largest = std::max(largest, value);
+      }
+      if (largest > 0) least = std::min(least, std::max(diagram.rounding, largest / kLargestRatio));
+    }
+    for (double& value : values) value = value > 0 ? std::max(value, least) : value;
+  }
+  return picture::makeLogarithmicAxis(values, mostTicks);
 }
 
-/// Diagrams with the same title of the abscissa share its axis.
-DiagramAxes axesOf(const Diagram& diagram, const std::vector<PlottedRun>& runs,
-                   const picture::PageBox& box) {
+/// Whether the axis, cut to the ends of its curves, still has this tick.
+bool hasTick(const picture::Axis& axis, double tick) {
+  const double share = axis.shareOf(tick);
+  return share >= -1e-9 && share <= 1 + 1e-9;
+}
+
+/// The finite values of the abscissa of all diagrams with its title, which share an axis.
+std::vector<double> acrossValues(const Diagram& diagram, const std::vector<PlottedRun>& runs) {
   std::vector<double> values;
   for (const PlottedRun& run : runs) {
     if (run.abscissa.title != diagram.across) continue;
     std::ranges::copy_if(run.abscissa.values, std::back_inserter(values),
                          [](double value) { return std::isfinite(value); });
   }
-  return {makeAcrossAxis(values), makeUpAxis(diagram), box};
+  return values;
 }
 
-/// Draws diagrams of one figure. Lengths are in em of its text.
-class Plotter {
- public:
-  Plotter(picture::Canvas& canvas, int em, picture::Colour background)
-      : canvas_(canvas), em_(em), colours_(background), writer_(em) {}
-
-  /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
-  void draw(const Diagram& diagram, const DiagramAxes& axes) {
-    drawGrid(axes);
-    for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
-      canvas_.lines(linesOf(diagram.lines[k], axes), 0.13 * em_, colours_.line(k));
+/// A line for each sequence of samples with values, and the dashes of dashed lines. `em`: pixels.
+std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const DiagramAxes& axes,
+                                             int em) {
+  std::vector<picture::Canvas::Points> lines, dashes;
+  picture::Canvas::Points points;
+  bool isDashed = false;
+  const auto endLine = [&] {
+    // A single sample makes no line.
+    if (points.size() > 1 && isDashed) {
+      for (picture::Canvas::Points& dash : dashesOf(points, kDash * em, kGap * em)) {
+        dashes.push_back(std::move(dash));
+      }
+    } else if (points.size() > 1) {
+      lines.push_back(points);
     }
-    drawTitle(diagram, axes);
-    const double middle = axes.box.left + 0.5 * axes.box.width;
-    write(diagram.across, middle - 0.5 * width(diagram.across), axes.box.lower() + 2.5 * em_,
-          colours_.text);
+    points.clear();
+  };
+  for (std::size_t k = 0; k < line.values.size(); ++k) {
+    const std::optional<Eigen::Vector2d> point = axes.pointOf(line, k);
+    if (!point) {
+      endLine();
+      continue;
+    }
+    points.push_back(*point);
+    if (line.isDashedAfter(k) == isDashed) continue;
+    endLine();
+    points = {*point};
+    isDashed = line.isDashedAfter(k);
+  }
+  endLine();
+  lines.insert(lines.end(), dashes.begin(), dashes.end());
+  return lines;
+}
+
+/// Finds axes and places of texts of a diagram in its column. Lengths are in em of the text.
+class DiagramLayout {
+ public:
+  /// `left`, `right`: of the column, pixels. The runs and the diagram must outlive it.
+  DiagramLayout(const Diagram& diagram, const std::vector<PlottedRun>& runs,
+                const picture::LabelWriter& writer, int em, double left, double right)
+      : diagram_(diagram), runs_(runs), writer_(writer), em_(em), left_(left), right_(right) {}
+
+  /// Space that the numbers of the vertical axis need on the left of a diagram of this height,
+  /// pixels.
+  double numbersWidth(double height) const { return widest(upAxis(height).texts) + em_; }
+
+  /// The layout in a box, which has kTitleEms above it and kBelowEms below it.
+  DiagramAxes axesIn(const picture::PageBox& box) const {
+    DiagramAxes axes{acrossAxis(box.width), upAxis(box.height), box};
+    const bool hasDashes = std::ranges::any_of(diagram_.lines, &PlotLine::hasDashes);
+    const std::string title = diagram_.title + (hasDashes ? " (dashed: unstable)" : "") +
+                              (diagram_.isRounding() ? " (only rounding)" : "");
+    axes.title = fitted(title, left_ + kLetterEms * em_, box.left, box.upper - 0.6 * em_);
+    axes.acrossTitle =
+        fitted(diagram_.across, left_, box.left + 0.5 * box.width - 0.5 * width(diagram_.across),
+               box.lower() + 2.5 * em_);
+    if (diagram_.lines.size() > 1 && !placeNextToTitle(axes) && !placeInCorner(axes, true) &&
+        !placeInLines(axes)) {
+      placeInCorner(axes, false);
+    }
+    return axes;
   }
 
  private:
-  /// Ticks and numbers of both axes, and the two axes themselves.
-  void drawGrid(const DiagramAxes& axes) {
-    const auto& [across, up, box] = axes;
-    std::vector<picture::Canvas::Points> grid;
-    for (std::size_t k = 0; k < up.ticks.size(); ++k) {
-      const double share = up.shareOf(up.ticks[k]);
-      grid.push_back({axes.place(0, share), axes.place(1, share)});
-      write(up.texts[k], box.left - 0.5 * em_ - width(up.texts[k]),
-            axes.place(0, share).y() + 0.35 * em_, colours_.text);
-    }
-    for (std::size_t k = 0; k < across.ticks.size(); ++k) {
-      const double share = across.shareOf(across.ticks[k]);
-      // The axis was cut to the curves' ends, so its first and last ticks may lie beyond it.
-      if (share < -1e-9 || share > 1 + 1e-9) continue;
-      grid.push_back({axes.place(share, 0), axes.place(share, 1)});
-      write(across.texts[k], axes.place(share, 0).x() - 0.5 * width(across.texts[k]),
-            box.lower() + 1.25 * em_, colours_.text);
-    }
-    canvas_.lines(grid, 0.06 * em_, colours_.grid);
-    canvas_.lines({{axes.place(0, 1), axes.place(0, 0), axes.place(1, 0)}}, 0.08 * em_,
-                  colours_.frame);
+  picture::Axis upAxis(double height) const {
+    const int most = static_cast<int>(height / (kTickLineEms * em_));
+    return makeUpAxis(diagram_, std::clamp(most, 2, kTicksUp));
   }
 
-  /// A line for each sequence of samples with values, and the dashes of dashed lines.
-  std::vector<picture::Canvas::Points> linesOf(const PlotLine& line,
-                                               const DiagramAxes& axes) const {
-    std::vector<picture::Canvas::Points> lines, dashes;
-    picture::Canvas::Points points;
-    bool isDashed = false;
-    const auto endLine = [&] {
-      // A single sample makes no line.
-      if (points.size() > 1 && isDashed) {
-        for (picture::Canvas::Points& dash : dashesOf(points, kDash * em_, kGap * em_)) {
-          dashes.push_back(std::move(dash));
-        }
-      } else if (points.size() > 1) {
-        lines.push_back(points);
+  /// With as many ticks as have space.
+  picture::Axis acrossAxis(double length) const {
+    const std::vector<double> values = acrossValues(diagram_, runs_);
+    picture::Axis axis;
+    for (int most = kTicksAcross; most >= 1; --most) {
+      axis = makeAcrossAxis(values, most);
+      double end = -std::numeric_limits<double>::infinity();
+      bool hasSpace = true;
+      for (std::size_t k = 0; k < axis.ticks.size(); ++k) {
+        if (!hasTick(axis, axis.ticks[k])) continue;
+        const double middle = axis.shareOf(axis.ticks[k]) * length;
+        hasSpace &= middle - 0.5 * width(axis.texts[k]) >= end;
+        end = middle + 0.5 * width(axis.texts[k]) + 0.5 * em_;
       }
-      points.clear();
-    };
-    for (std::size_t k = 0; k < line.values.size(); ++k) {
-      const std::optional<Eigen::Vector2d> point = axes.pointOf(line, k);
-      if (!point) {
-        endLine();
-        continue;
-      }
-      points.push_back(*point);
-      if (line.isDashedAfter(k) == isDashed) continue;
-      endLine();
-      points = {*point};
-      isDashed = line.isDashedAfter(k);
+      if (hasSpace) break;
     }
-    endLine();
-    lines.insert(lines.end(), dashes.begin(), dashes.end());
-    return lines;
+    return axis;
   }
 
-  /// Draws the diagram's name and unit on the left and the curves' names in their colours on the
-  /// right. If they do not fit, the names are inside the diagram, one below the other.
-  void drawTitle(const Diagram& diagram, const DiagramAxes& axes) {
-    const picture::PageBox& box = axes.box;
-    const double baseline = box.upper - 0.6 * em_;
-    const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
-    const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "");
-    write(title, box.left, baseline, colours_.text);
-    if (diagram.lines.size() < 2) return;
-    double needed = width(title);
-    for (const PlotLine& line : diagram.lines) needed += em_ + width(line.name);
-    if (needed > box.width) return drawNames(diagram, axes);
-    double right = box.right();
-    // Names end at the right border in the order of the curves, so they are drawn from the last
-    // one.
-    for (std::size_t k = diagram.lines.size(); k-- > 0;) {
-      const std::string& name = diagram.lines[k].name;
+  double width(const std::string& text) const { return writer_.width(text); }
+
+  double widest(const std::vector<std::string>& texts) const {
+    double most = 0;
+    for (const std::string& text : texts) most = std::max(most, width(text));
+    return most;
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const PlotLine& line : diagram_.lines) all.push_back(line.name);
+    return all;
+  }
+
+  /// The text as near to `preferred` as it can be between `least` and the right border; smaller if
+  /// it is too long.
+  PlacedText fitted(const std::string& text, double least, double preferred,
+                    double baseline) const {
+    const double share = std::min(1.0, (right_ - least) / std::max(1.0, width(text)));
+    const int em = std::max(1, static_cast<int>(std::floor(share * em_)));
+    const double last = right_ - width(text) * em / em_;
+    return {text, std::max(least, std::min(preferred, last)), baseline, em};
+  }
+
+  /// The names end at the right border of the diagram, in the order of the curves.
+  bool placeNextToTitle(DiagramAxes& axes) const {
+    double needed = width(axes.title.text);
+    for (const PlotLine& line : diagram_.lines) needed += em_ + width(line.name);
+    if (needed > axes.box.width) return false;
+    double right = axes.box.right();
+    for (std::size_t k = diagram_.lines.size(); k-- > 0;) {
+      const std::string& name = diagram_.lines[k].name;
       right -= width(name);
-      write(name, right, baseline, colours_.line(k));
+      axes.names.insert(axes.names.begin(), {name, right, axes.title.baseline, em_});
       right -= em_;
     }
+    return true;
   }
 
-  /// In the corner of the diagram where the lines are shortest: upper right, upper left, lower
-  /// right or lower left.
-  void drawNames(const Diagram& diagram, const DiagramAxes& axes) {
+  /// One below the other in the corner where the lines are shortest: upper right, upper left, lower
+  /// right or lower left. `isFree`: only where there are none.
+  bool placeInCorner(DiagramAxes& axes, bool isFree) const {
     const picture::PageBox& box = axes.box;
-    const auto count = static_cast<double>(diagram.lines.size());
-    picture::PageBox names{0, 0, 0, (1.25 * count + 0.5) * em_};
-    for (const PlotLine& line : diagram.lines)
-      names.width = std::max(names.width, width(line.name));
-    names.width += em_;
-    const double lefts[] = {box.right() - names.width, box.left};
-    const double uppers[] = {box.upper, box.lower() - names.height};
+    const auto count = static_cast<double>(diagram_.lines.size());
+    picture::PageBox part{0, 0, widest(names()) + em_, (kNameLineEms * count + 0.5) * em_};
+    if (isFree && (part.width > box.width || part.height > box.height)) return false;
+    const double lefts[] = {box.right() - part.width, box.left};
+    const double uppers[] = {box.upper, box.lower() - part.height};
     double shortest = std::numeric_limits<double>::infinity();
     bool isRight = true;
     for (const double upper : uppers) {
       for (const double left : lefts) {
-        const double length = lengthIn({left, upper, names.width, names.height}, diagram, axes);
+        const double length = lengthIn({left, upper, part.width, part.height}, axes);
         if (length >= shortest) continue;
         shortest = length;
-        names.left = left;
-        names.upper = upper;
+        part.left = left;
+        part.upper = upper;
         isRight = left == lefts[0];
       }
     }
-    for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
-      const std::string& name = diagram.lines[k].name;
-      const double inner = isRight ? names.width - 0.5 * em_ - width(name) : 0.5 * em_;
-      write(name, names.left + inner, names.upper + (1.2 + 1.25 * static_cast<double>(k)) * em_,
-            colours_.line(k));
+    if (isFree && shortest > 0) return false;
+    for (std::size_t k = 0; k < diagram_.lines.size(); ++k) {
+      const std::string& name = diagram_.lines[k].name;
+      const double inner = isRight ? part.width - 0.5 * em_ - width(name) : 0.5 * em_;
+      axes.names.push_back(
+          fitted(name, left_, part.left + inner,
+                 part.upper + (1.2 + kNameLineEms * static_cast<double>(k)) * em_));
     }
+    return true;
+  }
+
+  /// In lines between title and diagram, which becomes lower. Smaller letters if they do not fit.
+  bool placeInLines(DiagramAxes& axes) const {
+    const double start = std::min(axes.box.left, axes.title.left);
+    for (const double share : {1.0, 0.85, 0.7}) {
+      const int em = std::max(1, static_cast<int>(share * em_));
+      const auto widthOf = [&](const std::string& name) { return width(name) * em / em_; };
+      double pen = start, baseline = axes.title.baseline + kNameLineEms * em_;
+      std::vector<PlacedText> placed;
+      for (const PlotLine& line : diagram_.lines) {
+        if (pen > start && pen + widthOf(line.name) > right_) {
+          pen = start;
+          baseline += kNameLineEms * em;
+        }
+        placed.push_back(fitted(line.name, left_, pen, baseline));
+        placed.back().em = std::min(placed.back().em, em);
+        placed.back().left = std::max(left_, std::min(pen, right_ - widthOf(line.name)));
+        pen += widthOf(line.name) + em;
+      }
+      const double lowered = baseline - axes.title.baseline;
+      if (axes.box.height - lowered < kLowestEms * em_) continue;
+      axes.names = std::move(placed);
+      axes.box.upper += lowered;
+      axes.box.height -= lowered;
+      axes.up = upAxis(axes.box.height);
+      return true;
+    }
+    return false;
   }
 
   /// Length of all lines in a part of a diagram, pixels. Pieces of up to a quarter of an em count
   /// where they begin.
-  double lengthIn(const picture::PageBox& part, const Diagram& diagram,
-                  const DiagramAxes& axes) const {
+  double lengthIn(const picture::PageBox& part, const DiagramAxes& axes) const {
     double length = 0;
-    for (const PlotLine& line : diagram.lines) {
-      for (const picture::Canvas::Points& points : linesOf(line, axes)) {
+    for (const PlotLine& line : diagram_.lines) {
+      for (const picture::Canvas::Points& points : linesOf(line, axes, em_)) {
         for (std::size_t k = 1; k < points.size(); ++k) {
           const Eigen::Vector2d whole = points[k] - points[k - 1];
           const double pieces = std::max(1.0, std::ceil(whole.norm() / (0.25 * em_)));
@@ -720,10 +903,60 @@ class Plotter {
     return length;
   }
 
+  const Diagram& diagram_;
+  const std::vector<PlottedRun>& runs_;
+  const picture::LabelWriter& writer_;
+  int em_;
+  double left_, right_;
+};
+
+/// Draws diagrams of one figure. Lengths are in em of its text.
+class Plotter {
+ public:
+  Plotter(picture::Canvas& canvas, int em, picture::Colour background)
+      : canvas_(canvas), em_(em), colours_(background), writer_(em) {}
+
+  /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
+  void draw(const Diagram& diagram, const DiagramAxes& axes) {
+    drawGrid(axes);
+    for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
+      canvas_.lines(linesOf(diagram.lines[k], axes, em_), 0.13 * em_, colours_.line(k));
+    }
+    write(axes.title, colours_.text);
+    for (std::size_t k = 0; k < axes.names.size(); ++k) write(axes.names[k], colours_.line(k));
+    write(axes.acrossTitle, colours_.text);
+  }
+
+ private:
+  /// Ticks and numbers of both axes, and the two axes themselves.
+  void drawGrid(const DiagramAxes& axes) {
+    const picture::Axis &across = axes.across, &up = axes.up;
+    const picture::PageBox& box = axes.box;
+    std::vector<picture::Canvas::Points> grid;
+    for (std::size_t k = 0; k < up.ticks.size(); ++k) {
+      const double share = up.shareOf(up.ticks[k]);
+      grid.push_back({axes.place(0, share), axes.place(1, share)});
+      write({up.texts[k], box.left - 0.5 * em_ - width(up.texts[k]),
+             axes.place(0, share).y() + 0.35 * em_, em_},
+            colours_.text);
+    }
+    for (std::size_t k = 0; k < across.ticks.size(); ++k) {
+      if (!hasTick(across, across.ticks[k])) continue;
+      const double share = across.shareOf(across.ticks[k]);
+      grid.push_back({axes.place(share, 0), axes.place(share, 1)});
+      write({across.texts[k], axes.place(share, 0).x() - 0.5 * width(across.texts[k]),
+             box.lower() + 1.25 * em_, em_},
+            colours_.text);
+    }
+    canvas_.lines(grid, 0.06 * em_, colours_.grid);
+    canvas_.lines({{axes.place(0, 1), axes.place(0, 0), axes.place(1, 0)}}, 0.08 * em_,
+                  colours_.frame);
+  }
+
   double width(const std::string& text) const { return writer_.width(text); }
 
-  void write(const std::string& text, double left, double baseline, picture::Colour colour) {
-    canvas_.text(text, left, baseline, em_, colour);
+  void write(const PlacedText& placed, picture::Colour colour) {
+    canvas_.text(placed.text, placed.left, placed.baseline, placed.em, colour);
   }
 
   picture::Canvas& canvas_;
@@ -753,7 +986,8 @@ PlotLayout layOut(int diagrams, int em, double width, int columns) {
   layout.columns = std::min(columns, diagrams);
   layout.across = (width - em) / layout.columns;
   const double wide = layout.across - 5 * em;
-  layout.first = {4.5 * em, kTitleEms * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};
+  layout.first = {kNumbersEms * em, kTitleEms * em, wide,
+                  kAspect * wide / (diagrams == 1 ? 1.2 : 1)};
   layout.down = layout.first.height + (kTitleEms + kBelowEms) * em;
   return layout;
 }
@@ -780,7 +1014,7 @@ double PlotSheet::leastHeight(int columns) const {
   return rows(columns) * (kLeastEms + kTitleEms + kBelowEms) * em_;
 }
 
-std::vector<picture::PageBox> PlotSheet::boxes(const picture::PageBox& box, int columns) const {
+std::vector<DiagramAxes> PlotSheet::axes(const picture::PageBox& box, int columns) const {
   const auto count = static_cast<int>(diagrams_.size());
   PlotLayout layout = layOut(count, em_, box.width, columns);
   layout.first.left += box.left;
@@ -789,33 +1023,47 @@ std::vector<picture::PageBox> PlotSheet::boxes(const picture::PageBox& box, int 
     layout.down = box.height / rows(columns);
     layout.first.height = layout.down - (kTitleEms + kBelowEms) * em_;
   }
-  std::vector<picture::PageBox> boxes;
-  for (int k = 0; k < count; ++k) boxes.push_back(layout.box(k));
-  return boxes;
+  const picture::LabelWriter writer(em_);
+  std::vector<DiagramLayout> layouts;
+  double numbers = std::min(kNumbersEms * em_, kNumbersShare * layout.across);
+  for (int k = 0; k < count; ++k) {
+    const picture::PageBox place = layout.box(k);
+    const bool isLast = k % layout.columns == layout.columns - 1;
+    const double right = isLast ? box.left + box.width : place.right() + em_;
+    layouts.emplace_back(diagrams_[k], runs_, writer, em_, place.left - kNumbersEms * em_, right);
+    numbers = std::max(numbers, layouts.back().numbersWidth(place.height));
+  }
+  std::vector<DiagramAxes> axes;
+  for (int k = 0; k < count; ++k) {
+    picture::PageBox place = layout.box(k);
+    place.left += numbers - kNumbersEms * em_;
+    place.width -= numbers - kNumbersEms * em_;
+    axes.push_back(layouts[k].axesIn(place));
+  }
+  return axes;
 }
 
 void PlotSheet::draw(picture::Canvas& page, const picture::PageBox& box, int columns,
                      const std::string& prefix) const {
-  const std::vector<picture::PageBox> places = boxes(box, columns);
+  const std::vector<DiagramAxes> placed = axes(box, columns);
   Plotter plotter(page, em_, background_);
   for (std::size_t k = 0; k < diagrams_.size(); ++k) {
     page.begin(prefix + "curves_" + std::to_string(k + 1));
-    plotter.draw(diagrams_[k], axesOf(diagrams_[k], runs_, places[k]));
+    plotter.draw(diagrams_[k], placed[k]);
     page.end();
   }
 }
 
 std::vector<DrawnCurve> PlotSheet::drawnCurves(const picture::PageBox& box, int columns) const {
-  const std::vector<picture::PageBox> places = boxes(box, columns);
+  const std::vector<DiagramAxes> placed = axes(box, columns);
   const PlotColours colours(background_);
   std::vector<DrawnCurve> curves;
   for (std::size_t k = 0; k < diagrams_.size(); ++k) {
-    const DiagramAxes axes = axesOf(diagrams_[k], runs_, places[k]);
     for (std::size_t number = 0; number < diagrams_[k].lines.size(); ++number) {
       const PlotLine& line = diagrams_[k].lines[number];
       curves.push_back({colours.line(number), {}});
       for (std::size_t sample = 0; sample < line.values.size(); ++sample) {
-        curves.back().points.push_back(axes.pointOf(line, sample));
+        curves.back().points.push_back(placed[k].pointOf(line, sample));
       }
     }
   }
@@ -828,7 +1076,8 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
   const PlotSheet sheet(runs, em);
   picture::FrameSize size;
   size.width = picture::pixelsOf(settings.width, settings.dotsPerInch);
-  size.height = static_cast<int>(std::lround(sheet.height(size.width, PlotSheet::kColumns)));
+  const int columns = size.width < kNarrowFigureEms * em ? 1 : PlotSheet::kColumns;
+  size.height = static_cast<int>(std::lround(sheet.height(size.width, columns)));
   picture::requireValidSize(size);
   const std::unique_ptr<picture::Canvas> canvas =
       picture::makeCanvas(format, {.size = size,
@@ -836,7 +1085,7 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
                                    .outlines = {.colour = kFrame},
                                    .fontFamily = picture::fontFamily(),
                                    .description = settings.madeBy});
-  sheet.draw(*canvas, {.width = static_cast<double>(size.width)}, PlotSheet::kColumns, "");
+  sheet.draw(*canvas, {.width = static_cast<double>(size.width)}, columns, "");
   return canvas->finish();
 }
 

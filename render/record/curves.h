@@ -34,6 +34,9 @@ struct PlottedRun {
   /// Whether the line from each sample to the next is dashed. Empty: no line is.
   std::vector<bool> isDashed = {};
   bool isLoadCurve = false;  ///< of a run that also has other curves, see loadCurvesOf()
+  /// Smaller values of logarithmic groups are rounding, in the groups' unit. A diagram of only such
+  /// values says so; others begin there.
+  double rounding = 0;
 };
 
 /// Appearance of a figure.
@@ -52,6 +55,7 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
                        const PlotSettings& settings);
 
 struct Diagram;
+struct DiagramAxes;
 
 /// A curve on a page.
 struct DrawnCurve {
@@ -82,7 +86,7 @@ class PlotSheet {
   void draw(picture::Canvas& page, const picture::PageBox& box, int columns,
             const std::string& prefix) const;
 
-  /// The curves that draw() draws into this box.
+  /// The curves that draw() draws into this box. Throws like draw().
   std::vector<DrawnCurve> drawnCurves(const picture::PageBox& box, int columns) const;
 
   /// Columns in a figure, unless it has fewer diagrams.
@@ -90,7 +94,7 @@ class PlotSheet {
 
  private:
   int rows(int columns) const;
-  std::vector<picture::PageBox> boxes(const picture::PageBox& box, int columns) const;
+  std::vector<DiagramAxes> axes(const picture::PageBox& box, int columns) const;
 
   const std::vector<PlottedRun>& runs_;
   std::vector<Diagram> diagrams_;
@@ -99,7 +103,8 @@ class PlotSheet {
 };
 
 /// The curves with these names: of groups ("target_error", "opening") or of columns without
-/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves.
+/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves. Curves of one
+/// group are in one group, in the order of the names.
 /// Throws InputError for an unknown name, with the option and the list of known names.
 std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::CurveGroup>& groups,
                                                  const std::vector<std::string>& names,
@@ -121,8 +126,8 @@ enum class CurvesAgainst {
   Opening,   ///< the mean opening of the joints, degrees
 };
 
-/// The curves of a run with this name, see selectCurves(). Only curves with values count. Reads the
-/// trajectory once. Throws InputError like selectCurves().
+/// The curves of a run with this name, see selectCurves(), in the unit of the model. Only curves
+/// with values count. Reads the trajectory once. Throws InputError like selectCurves().
 PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::string& name,
                         CurvesAgainst against, const char* option);
 
@@ -141,7 +146,8 @@ struct NamedRun {
 
 /// The outputs of runs' curves.
 struct CurvesSettings {
-  /// Selected curves, see selectCurves(), and "load_curve"; empty: all.
+  /// Selected curves, see selectCurves(), and "load_curve"; empty: all except curves that are only
+  /// rounding.
   std::vector<std::string> selected;
   /// Additional data, in the diagram of the curve with this column, else in a separate one. The
   /// horizontal axis is the column with the same name as for runs, else the first.
@@ -162,7 +168,8 @@ std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<d
 using CurvesObserver = std::function<void(std::size_t run, const trajectory::RunCurves& curves,
                                           const std::vector<double>& progress)>;
 
-/// The selected curves of runs, in the form for a figure. Reads each trajectory once. Throws
+/// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
+/// models if all have the same unit, else in metres. Reads each trajectory once. Throws
 /// InputError if a run lacks the quantity of the axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,

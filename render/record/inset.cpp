@@ -13,8 +13,8 @@
 // drawn in small, and the covered areas of the four corners are summed over the states. Corners
 // with nearly the same sum are equally good. The first one of a fixed order is selected.
 //
-// The background of the plot is that of the picture, slightly translucent. In transparent pictures
-// it is absent.
+// The background of the plot has the colour of the picture's background and is opaque, also in
+// transparent pictures: text over bricks would be unreadable.
 #include "render/record/inset.h"
 
 #include <algorithm>
@@ -46,8 +46,6 @@ constexpr double kRingEms = 0.42;
 /// 3.4% of the height, leaves enough room for the inset.
 constexpr double kLargestWidth = 0.8;
 constexpr double kLargestHeight = 0.55;
-/// Opacity of the background.
-constexpr double kOpacity = 0.85;
 /// Number of states for the choice of the corner.
 constexpr std::size_t kStates = 16;
 /// Width of the small pictures for the choice of the corner, pixels.
@@ -169,14 +167,15 @@ PlottedRun insetCurve(const trajectory::TrajectoryReader& run, const PictureSett
 Inset::Inset(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
              const picture::PictureSetup& setup)
     : em_(emOf(settings)), background_(setup.style().background), times_(run.times()) {
+  background_.alpha = 255;
   requireRoom(settings);
   const std::vector<PlottedRun> plotted = {insetCurve(run, settings)};
   box_ = chooseCorner(run, settings, setup, cornersOf(setup.pictureSize(), em_));
-  picture::PageSettings page{.size = {static_cast<int>(box_.width), static_cast<int>(box_.height)},
-                             .pixelsPerInch = pixelsPerInch(settings),
-                             .background = background_,
-                             .fontFamily = picture::fontFamily()};
-  page.background.alpha = static_cast<std::uint8_t>(std::lround(kOpacity * background_.alpha));
+  const picture::PageSettings page{
+      .size = {static_cast<int>(box_.width), static_cast<int>(box_.height)},
+      .pixelsPerInch = pixelsPerInch(settings),
+      .background = background_,
+      .fontFamily = picture::fontFamily()};
   const PlotSheet sheet(plotted, em_, background_);
   const picture::PageBox whole{0, 0, box_.width, box_.height};
   plot_ = picture::drawnPage(
@@ -217,10 +216,8 @@ std::vector<Inset::Dot> Inset::dots(double time) const {
 
 void Inset::draw(picture::Frame& picture, double time) const {
   picture::blendFrame(picture, plot_, static_cast<int>(box_.left), static_cast<int>(box_.upper));
-  picture::Colour ring = background_;
-  ring.alpha = 255;
   for (const auto& [colour, place] : dots(time)) {
-    picture::blendDisc(picture, place.x(), place.y(), kRingEms * em_, ring);
+    picture::blendDisc(picture, place.x(), place.y(), kRingEms * em_, background_);
     picture::blendDisc(picture, place.x(), place.y(), dotRadius(), colour);
   }
 }

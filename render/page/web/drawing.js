@@ -21,7 +21,8 @@ const SHADER_PARTS = {
     uniform float ambient;
     uniform vec3 keyDirection, fillDirection;
     uniform float keyStrength, fillStrength;
-    vec3 lit(vec3 base, vec3 normal) {
+    vec3 lit(vec3 base, vec3 worldNormal) {
+      vec3 normal = mat3(viewMatrix) * worldNormal; // lights move with the camera
       float light = ambient + keyStrength * max(0.0, dot(normal, keyDirection))
                             + fillStrength * max(0.0, dot(normal, fillDirection));
       return min(vec3(1.0), base * light);
@@ -106,12 +107,12 @@ const SHADERS = {
   shadow: {
     vertex: `
       ${SHADER_PARTS.pose}
-      uniform vec3 keyDirection;
+      uniform vec3 shadowSource;
       uniform float height;
       attribute vec3 info;
       void main() {
         vec3 point = placed(info.x, position);
-        point -= (point.z - height) / keyDirection.z * keyDirection;
+        point -= (point.z - height) / shadowSource.z * shadowSource;
         gl_Position = projectionMatrix * viewMatrix * vec4(point, 1.0);
       }`,
     fragment: SHADER_PARTS.flat,
@@ -282,13 +283,28 @@ class Drawing {
     const vector = () => ({ value: new THREE.Vector3() });
     const number = (value = 0) => ({ value });
     return {
-      poses: { value: this.poseTexture }, colours: { value: this.colourTexture },
-      ambient: number(), keyDirection: vector(), keyStrength: number(),
-      fillDirection: vector(), fillStrength: number(),
-      edge: vector(), outline: number(), chosen: number(-1), accent: vector(),
-      eye: vector(), backwards: vector(), upwards: vector(), parallel: { value: false },
-      radius: number(), lift: number(), width: number(), rim: number(), retreat: number(),
-      screen: { value: new THREE.Vector2(1, 1) },
+      poses: {value: this.poseTexture},
+      colours: {value: this.colourTexture},
+      ambient: number(),
+      keyDirection: vector(),
+      keyStrength: number(),
+      fillDirection: vector(),
+      fillStrength: number(),
+      shadowSource: vector(),
+      edge: vector(),
+      outline: number(),
+      chosen: number(-1),
+      accent: vector(),
+      eye: vector(),
+      backwards: vector(),
+      upwards: vector(),
+      parallel: {value: false},
+      radius: number(),
+      lift: number(),
+      width: number(),
+      rim: number(),
+      retreat: number(),
+      screen: {value: new THREE.Vector2(1, 1)},
       height: number(this.run.plate ? this.run.plate.height : 0),
     };
   }
@@ -354,6 +370,7 @@ class Drawing {
     uniforms.keyStrength.value = lights.key.strength;
     uniforms.fillDirection.value.set(...lights.fill.direction);
     uniforms.fillStrength.value = lights.fill.strength;
+    uniforms.shadowSource.value.set(...style.shadow_source);
     uniforms.lift.value = style.mark_lift;
     const paint = (mesh, colour) => {
       if (mesh) mesh.material.uniforms.colour.value = toColour(colour);

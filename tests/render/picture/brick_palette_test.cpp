@@ -286,6 +286,10 @@ TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
   ASSERT_EQ(palette.legend().size(), 1);
   EXPECT_EQ(palette.legend()[0].colour, (picture::Colour{200, 0, 0}));
   EXPECT_EQ(palette.legend()[0].text, "hinge row");
+  look.opacity = 0.4;
+  look.tileOpacities = {{{1, 3}, 0.2}};
+  EXPECT_EQ(picture::BrickPalette(look, content).legend()[0].colour,
+            (picture::Colour{200, 0, 0, 51}));
 }
 
 TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {

@@ -105,7 +105,7 @@ TEST(Painter, CoversTheAreaAcrossThePartsOfALargePicture) {
   for (int x = 500; x < 4500; ++x) ASSERT_EQ(frame.at(x, 500), (picture::Colour{0, 0, 0})) << x;
 }
 
-TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
+TEST(Painter, GivesFacesSeenFaceOnOneColourInAnyPlane) {
   picture::Style style;
   style.slitWidth = 0;
   // One brick at a time, seen face on: the picture's middle is the face.
@@ -124,9 +124,36 @@ TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
       const picture::ViewAngles view{std::atan2(normal.y(), normal.x()), std::asin(normal.z())};
       const picture::Camera camera = parallelCamera(cube.poses[0].position, view, 2.5);
       EXPECT_EQ(painter.paint(sample.poses, camera).at(32, 32),
-                picture::faceColour(normal, base, style));
+                picture::faceColour(Vector3::UnitZ(), base, style));
     }
   }
+}
+
+/// A rotation of the model together with its camera changes nothing.
+TEST(Painter, LightsMoveWithTheCamera) {
+  picture::Style style;
+  style.slitWidth = 0;
+  const SampleBricks cube = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
+  picture::Painter painter({64, 64}, cube.bricks, style);
+  const picture::Camera camera =
+      parallelCamera(cube.poses[0].position, picture::kIsometricView, 2.5);
+  const picture::Frame expected = painter.paint(cube.poses, camera);
+  std::size_t differing = 0;
+  for (int k = 1; k < 10; ++k) {
+    const Pose turn{{}, rotationFromVector(Vector3(0.37 * k, 1 - 0.21 * k, 0.13 * k))};
+    const auto turned = [&](const Vector3& point) -> Vector3 { return turn.rotation * point; };
+    picture::Camera moved = camera;
+    moved.eye = turned(camera.eye);
+    moved.centre = turned(camera.centre);
+    moved.up = turned(camera.up);
+    SampleBricks sample = cube;
+    sample.poses[0] = {turned(cube.poses[0].position), turn.rotation * cube.poses[0].rotation};
+    const picture::Frame frame = painter.paint(sample.poses, moved);
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) differing += frame.at(x, y) == expected.at(x, y) ? 0 : 1;
+    }
+  }
+  EXPECT_LE(differing, 9 * 8U);  // samples on borders
 }
 
 TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
@@ -143,9 +170,11 @@ TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
     ++counts[frame.pixels[k] << 16 | frame.pixels[k + 1] << 8 | frame.pixels[k + 2]];
   }
   const auto count = [&](picture::Colour c) { return counts[c.red << 16 | c.green << 8 | c.blue]; };
-  const int flat = count(picture::faceColour(Vector3::UnitZ(), style.brick.top, style)) +
-                   count(picture::faceColour(Vector3::UnitX(), style.brick.side, style)) +
-                   count(picture::faceColour(-Vector3::UnitY(), style.brick.side, style)) +
+  const Matrix3 axes =
+      picture::pictureFromWorld(fittedCamera(sample, size, picture::kIsometricView));
+  const int flat = count(picture::faceColour(axes.col(2), style.brick.top, style)) +
+                   count(picture::faceColour(axes.col(0), style.brick.side, style)) +
+                   count(picture::faceColour(-axes.col(1), style.brick.side, style)) +
                    count(style.background);
   EXPECT_GT(flat, 0.96 * 200 * 200);  // measured 0.986: the rest are edges
 }
@@ -244,7 +273,7 @@ TEST(Painter, DrawsTheGroundInItsColourFromAboveOnly) {
   const picture::Frame below =
       paintOnce(sample, {100, 100}, parallelCamera(middle, fromBelow, 3), style);
   EXPECT_EQ(below.at(5, 5), style.background);
-  EXPECT_EQ(below.at(50, 50), picture::faceColour(-Vector3::UnitZ(), style.brick.bottom, style));
+  EXPECT_EQ(below.at(50, 50), picture::faceColour(Vector3::UnitZ(), style.brick.bottom, style));
 }
 
 /// A plate that does not show, under the bricks' lowest point.
@@ -263,7 +292,7 @@ TEST(Painter, CastsAShadowOfTheProjectedArea) {
   style.plate = shadowCatcher(sample, 0);
   style.shadow = {0, 0, 0};
   style.shadowSoftness = 0;
-  const Vector3 light = style.key.direction;
+  const Vector3 light = style.shadowSource;
   const Vector3 centre = sample.poses[0].position - 30 / light.z() * light;
   const picture::Frame frame =
       paintOnce(sample, {300, 300}, parallelCamera(centre, picture::kTopView, 5), style);
@@ -283,9 +312,9 @@ TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
     style.background = {255, 255, 255};
     style.shadow = {0, 0, 0};
     style.plate = shadowCatcher(sample, 0);
-    const double slope = style.key.direction.x() / style.key.direction.z();
+    const double slope = style.shadowSource.x() / style.shadowSource.z();
     const Vector3 centre =
-        sample.poses[0].position - height / style.key.direction.z() * style.key.direction;
+        sample.poses[0].position - height / style.shadowSource.z() * style.shadowSource;
     const picture::Frame frame =
         paintOnce(sample, {601, 601}, parallelCamera(centre, picture::kTopView, 6), style);
     const double pixel = 6.0 / 601;
@@ -318,7 +347,7 @@ TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
   style.background.alpha = 0;
   style.shadow = {0, 0, 0, 60};
   style.plate = shadowCatcher(sample, -4);
-  const Vector3 light = style.key.direction;
+  const Vector3 light = style.shadowSource;
   const Vector3 centre = sample.poses[0].position - 4 / light.z() * light;
   const picture::Frame frame =
       paintOnce(sample, {100, 100}, parallelCamera(centre, picture::kTopView, 0.5), style);

@@ -23,7 +23,7 @@ TEST(RoundLength, IsTheLongestOneTwoOrFive) {
   EXPECT_EQ(text(0.06, "m"), "0.05 m");
   EXPECT_EQ(text(0.06, "mm"), "50 mm");
   EXPECT_EQ(text(0.06, "in"), "2 in");  // 2.36 in
-  EXPECT_EQ(text(7e-5, "um"), "50 um");
+  EXPECT_EQ(text(7e-5, "um"), "50 µm");
   EXPECT_EQ(text(6000, "km"), "5 km");
   for (const LengthUnit& unit : lengthUnits()) {
     for (double longest = 1e-6; longest < 1e5; longest *= 1.37) {
@@ -58,6 +58,30 @@ TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
   EXPECT_EQ(length, 14 * 14 - 1);
   EXPECT_EQ(frame.at(x + length / 2, kRow),
             picture::mapColour(scale.map, double(length / 2) / length));
+}
+
+/// In a narrow space the text is smaller, the bar keeps at least 5 em, and all is in the space.
+TEST(ScaleDrawer, KeepsAColourBarInNarrowSpaces) {
+  picture::ColourScale scale;
+  scale.title = "rotation, degrees";
+  scale.most = 45;
+  for (const int width : {120, 160, 240}) {
+    picture::Frame frame = picture::makeFrame({400, 60}, kWhite);
+    picture::FrameSurface surface(frame);
+    picture::ScaleDrawer(20, kBlack).drawColourBar(surface, scale, 200, 30, width);
+    int bar = 0, outside = 0;
+    for (int x = 0; x < 400; ++x) {
+      bool isColoured = false;
+      for (int y = 0; y < 60; ++y) {
+        const picture::Colour colour = frame.at(x, y);
+        if (std::abs(x - 199.5) > 0.5 * width && colour != kWhite) ++outside;
+        isColoured |= colour.red != colour.green;
+      }
+      bar += isColoured ? 1 : 0;
+    }
+    EXPECT_EQ(outside, 0) << width;
+    EXPECT_GE(bar, 0.25 * width) << width;
+  }
 }
 
 // The oracle is the place of each round value on the bar.

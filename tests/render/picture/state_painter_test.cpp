@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -124,6 +125,47 @@ TEST(PictureSetup, HasScalesInTheUnitOfTheModel) {
   const picture::PictureSetup setup(look, content, {300, 300});
   EXPECT_EQ(setup.colourScale()->title, "target error, mm");
   EXPECT_NEAR(setup.colourScale()->most, 1000 * metres.most, 1e-12 * metres.most);
+}
+
+/// The legend has the colours of the painted tiles, also of translucent ones, in all planes.
+TEST(PictureSetup, LegendShowsTilesAsPaintedFaceOn) {
+  const picture::PictureContent flat = tessellationContent();
+  for (const double opacity : {1.0, 0.5}) {
+    for (const picture::Theme theme : {picture::Theme::Light, picture::Theme::Dark}) {
+      for (const auto& [turn, view] :
+           {std::pair{Vector3(0, 0, 0), picture::kTopView},
+            std::pair{Vector3(std::numbers::pi / 2, 0, 0), picture::kFrontView},
+            std::pair{Vector3(0, std::numbers::pi / 2, 0), picture::kRightView},
+            std::pair{Vector3(std::numbers::pi, 0, 0), picture::kBottomView}}) {
+        picture::PictureContent content = flat;
+        const Quaternion rotation = rotationFromVector(turn);
+        for (Pose& pose : content.start) {
+          pose = {rotation * pose.position, rotation * pose.rotation};
+        }
+        content.target.reset();
+        content.points = picture::shownCorners(content, content.start);
+        picture::Look look;
+        look.theme = theme;
+        look.opacity = opacity;
+        look.colouring = picture::Colouring::Shape;
+        look.camera.view = view;
+        look.outlines = false;
+        const picture::FrameSize size{100, 100};
+        picture::StatePainter painter(size, look, content, {});
+        const picture::PictureSetup setup(look, content, size);
+        const picture::Frame frame = painter.paint({0, content.start, {}}, {});
+        const picture::Colour expected = setup.legend().at(0).colour;
+        int found = 0;
+        for (int y = 0; y < size.height; ++y) {
+          for (int x = 0; x < size.width; ++x) found += frame.at(x, y) == expected ? 1 : 0;
+        }
+        EXPECT_GT(found, 4000) << opacity << ' ' << turn.transpose();
+        if (theme == picture::Theme::Dark && opacity == 1) {
+          EXPECT_GE(picture::contrastOf(expected, setup.style().background), 3);
+        }
+      }
+    }
+  }
 }
 
 TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {

@@ -41,6 +41,7 @@ TEST(Style, HasUnitLights) {
   const picture::Style style;
   EXPECT_NEAR(style.key.direction.norm(), 1, 1e-15);
   EXPECT_NEAR(style.fill.direction.norm(), 1, 1e-15);
+  EXPECT_NEAR(style.shadowSource.norm(), 1, 1e-15);
 }
 
 TEST(GroundPlate, SurroundsThePoints) {

@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/picture/label.h"
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/model/lattice.h"
+#include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -144,11 +149,31 @@ TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
 TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
   const std::string svg = plotted(picture::PageFormat::Svg);
   for (const char* text : {">Size, m<", ">width<", ">depth<", ">Poisson's ratio<", ">Joint gap, m<",
-                           ">simulated time, s<", ">1e-13<"}) {
+                           ">simulated time, s<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(svg, Not(HasSubstr("Target error")));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(CurvesPlot, LogarithmicAxesBeginAboveRounding) {
+  // An error that falls from 0.1 to rounding.
+  record::PlottedRun run = someRun();
+  const auto svgOf = [&run](double middle, double last, double rounding) {
+    run.groups = {{"Error", "m", true, {{"error", "error_m", {0.1, middle, last}}}}};
+    run.rounding = rounding;
+    return record::plotCurves({run}, picture::PageFormat::Svg, {});
+  };
+  const std::string measured = svgOf(0.01, 2e-19, 1e-4);
+  EXPECT_THAT(measured, HasSubstr(">1e-4<"));
+  EXPECT_THAT(measured, Not(HasSubstr(">1e-5<")));
+  EXPECT_THAT(measured, Not(HasSubstr("rounding")));
+  const std::string wide = svgOf(0.01, 2e-19, 1e-12);  // at most six decades
+  EXPECT_THAT(wide, HasSubstr(">1e-7<"));
+  EXPECT_THAT(wide, Not(HasSubstr(">1e-9<")));
+  run.groups = {{"Gap", "m", true, {{"gap", "gap_m", {1e-17, 3e-16, 2e-16}}}}};
+  EXPECT_THAT(record::plotCurves({run}, picture::PageFormat::Svg, {}),
+              HasSubstr(">Gap, m (only rounding)<"));
 }
 
 TEST(CurvesPlot, HasTheSameBytesEachTime) {
@@ -188,6 +213,86 @@ TEST(CurvesPlot, NamesRunsThatShareADiagram) {
   EXPECT_THAT(svg, Not(HasSubstr(">gap<")));
 }
 
+/// A text in an SVG file, as a box: letters are up to 0.75 em high and 0.22 em below the baseline.
+struct SvgText {
+  std::string text;
+  Eigen::AlignedBox2d box;
+};
+
+std::vector<SvgText> textsOf(const std::string& svg) {
+  std::vector<SvgText> texts;
+  const std::regex pattern(
+      "<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\" font-size=\"([0-9]+)\"[^>]*>([^<]*)<");
+  for (std::sregex_iterator found(svg.begin(), svg.end(), pattern), end; found != end; ++found) {
+    const double x = std::stod((*found)[1]), y = std::stod((*found)[2]);
+    const int em = std::stoi((*found)[3]);
+    const double width = picture::LabelWriter(em).width((*found)[4]);
+    texts.push_back({(*found)[4], Eigen::AlignedBox2d(Eigen::Vector2d(x, y - 0.75 * em),
+                                                      Eigen::Vector2d(x + width, y + 0.22 * em))});
+  }
+  return texts;
+}
+
+/// The points of lines in the colours of curves, at most a pixel apart.
+std::vector<Eigen::Vector2d> curvePointsOf(const std::string& svg) {
+  std::vector<Eigen::Vector2d> points;
+  const std::regex paths(
+      "<path fill=\"none\" stroke=\"#(?:2b64a6|c2571a|3d8b5f)\"[^>]* d=\"([^\"]*)\"");
+  const std::regex pairs("([ML]?) ?([-0-9.]+)[ ,]([-0-9.]+)");
+  for (std::sregex_iterator path(svg.begin(), svg.end(), paths), end; path != end; ++path) {
+    const std::string data = (*path)[1];
+    Eigen::Vector2d last = Eigen::Vector2d::Zero();
+    for (std::sregex_iterator pair(data.begin(), data.end(), pairs); pair != end; ++pair) {
+      const Eigen::Vector2d point(std::stod((*pair)[2]), std::stod((*pair)[3]));
+      const double steps = (*pair)[1] == "M" ? 0 : std::ceil((point - last).norm());
+      for (double k = 1; k <= steps; ++k) points.push_back(last + k / steps * (point - last));
+      last = point;
+    }
+  }
+  return points;
+}
+
+/// Texts are on the page and cover neither each other nor curves, in figures of any width.
+TEST(CurvesPlot, TextsAreApart) {
+  std::vector<record::PlottedRun> runs;
+  for (const char* name : {"r_heart_um", "r_tri_up_mm", "r_isl_side_km"}) {
+    record::PlottedRun run{name, {}, {"share of the motion", {}}};
+    std::vector<double> rising, ratios, waves;
+    for (int k = 0; k <= 40; ++k) {
+      const double at = k / 40.0, shift = 0.3 * static_cast<double>(runs.size());
+      run.abscissa.values.push_back(at);
+      rising.push_back(1000 * (at + shift));
+      ratios.push_back(-1.2 + 0.01 * at * (1 - shift));
+      waves.push_back(std::sin(12 * at + shift));  // in all corners
+    }
+    run.groups = {{"Opening", "degrees", false, {{"mean", "opening_mean_deg", rising}}},
+                  {"Poisson's ratio", "", false, {{"ratio", "poissons_ratio", ratios}}},
+                  {"Force on held tiles", "N", false, {{"pins", "pin_force_N", waves}}}};
+    runs.push_back(std::move(run));
+  }
+  for (const double width : {40.0, 60.0, 90.0, 180.0}) {
+    SCOPED_TRACE(width);
+    const std::string svg =
+        record::plotCurves(runs, picture::PageFormat::Svg, {.width = width, .dotsPerInch = 300});
+    const std::vector<SvgText> texts = textsOf(svg);
+    const std::vector<Eigen::Vector2d> points = curvePointsOf(svg);
+    EXPECT_GT(texts.size(), 25U);
+    EXPECT_GT(points.size(), 900U);
+    for (std::size_t k = 0; k < texts.size(); ++k) {
+      const Eigen::AlignedBox2d& box = texts[k].box;
+      EXPECT_GE(box.min().x(), 0) << texts[k].text;
+      EXPECT_LE(box.max().x(), width / 25.4 * 300 + 1) << texts[k].text;
+      for (std::size_t other = 0; other < k; ++other) {
+        EXPECT_FALSE(box.intersects(texts[other].box))
+            << texts[k].text << " and " << texts[other].text;
+      }
+      const bool isCovered = std::ranges::any_of(
+          points, [&box](const Eigen::Vector2d& point) { return box.contains(point); });
+      EXPECT_FALSE(isCovered) << texts[k].text;
+    }
+  }
+}
+
 TEST(Curves, AreSelectedByGroupOrColumn) {
   const trajectory::RunCurves curves = someCurves();
   EXPECT_EQ(record::selectCurves(curves.groups, {}).size(), 4U);
@@ -198,6 +303,10 @@ TEST(Curves, AreSelectedByGroupOrColumn) {
   ASSERT_EQ(chosen[1].curves.size(), 1U);
   EXPECT_EQ(chosen[1].curves[0].column, "depth_m");
   EXPECT_EQ(record::selectCurves(curves.groups, {"size"})[0].curves.size(), 2U);
+  const auto both = record::selectCurves(curves.groups, {"depth", "joint_gap", "width", "depth"});
+  ASSERT_EQ(both.size(), 2U);
+  ASSERT_EQ(both[0].curves.size(), 2U);
+  EXPECT_EQ(both[0].curves[1].name, "width");
   try {
     record::selectCurves(curves.groups, {"gapp"});
     FAIL();
@@ -205,6 +314,66 @@ TEST(Curves, AreSelectedByGroupOrColumn) {
     EXPECT_THAT(error.what(), StartsWith("error: --curves: there is no curve 'gapp'; give some of "
                                          "size, width, depth, poissons_ratio, "));
   }
+}
+
+/// Runs in folders, each with a model in a unit.
+class CurvesInUnits : public ::testing::Test {
+ protected:
+  std::unique_ptr<record::NamedRun> recorded(const std::string& name, const LengthUnit& unit) {
+    scene::Scene scene;
+    scene.model = model::makeTessellation({.columns = 2, .rows = 2});
+    for (auto* tiles : {&scene.model.tiles, &*scene.model.target}) {
+      for (model::Tile& tile : *tiles) {
+        for (Vector3& vertex : tile.vertices) vertex *= unit.metres;
+      }
+    }
+    scene.model.unit = unit;
+    trajectory::Trajectory trajectory{trajectory::subjectOf(scene)};
+    for (int k = 0; k <= 2; ++k) {
+      trajectory::Sample sample;
+      sample.time = k;
+      sample.poses = model::startPoses(scene.model.tiles, trajectory.bricks);
+      sample.poses[0].position.x() -= unit.metres * k;
+      sample.jointGap = 1e-17 * unit.metres;
+      trajectory.samples.push_back(sample);
+    }
+    std::filesystem::create_directories(folder_ / name);
+    trajectory::writeTrajectory(trajectory, folder_ / name / "trajectory.h5");
+    return std::make_unique<record::NamedRun>(record::openRun(folder_ / name / "trajectory.h5"));
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CurvesInUnits, AreInTheUnitOfTheModel) {
+  std::vector<record::NamedRun> runs;
+  runs.push_back(std::move(*recorded("small", *findLengthUnit("um"))));
+  const record::PlottedRun small = record::plottedRuns(runs, {.selected = {"size", "area"}})[0];
+  EXPECT_EQ(small.groups[0].unit, "µm");
+  EXPECT_EQ(small.groups[1].unit, "µm²");
+  EXPECT_NEAR(small.groups[0].curves[0].values[0], 2, 1e-9);
+  EXPECT_NEAR(small.groups[0].curves[0].values[2], 4, 1e-9);
+  const record::PlottedRun inset =
+      record::plottedCurve(*runs[0].reader, "width", record::CurvesAgainst::Time, "--inset");
+  EXPECT_EQ(inset.groups[0].unit, "µm");
+  EXPECT_NEAR(inset.groups[0].curves[0].values[2], 4, 1e-9);
+  // Several units: metres.
+  runs.push_back(std::move(*recorded("large", *findLengthUnit("km"))));
+  const std::vector<record::PlottedRun> both = record::plottedRuns(runs, {.selected = {"width"}});
+  EXPECT_EQ(both[0].groups[0].unit, "m");
+  EXPECT_NEAR(both[1].groups[0].curves[0].values[0], 2000, 1e-6);
+}
+
+TEST_F(CurvesInUnits, OnlyRoundingIsShownOnRequest) {
+  std::vector<record::NamedRun> runs;
+  runs.push_back(std::move(*recorded("run", {})));
+  const auto hasGap = [&](const record::CurvesSettings& settings) {
+    return std::ranges::any_of(
+        record::plottedRuns(runs, settings)[0].groups,
+        [](const trajectory::CurveGroup& group) { return group.name == "Joint gap"; });
+  };
+  EXPECT_FALSE(hasGap({}));
+  EXPECT_TRUE(hasGap({.selected = {"joint_gap"}}));
 }
 
 TEST(CurvesPlot, HasTextInItsPdf) {

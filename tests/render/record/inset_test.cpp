@@ -234,19 +234,29 @@ TEST_F(InsetTest, IsReadableOnEveryBackground) {
   }
 }
 
-TEST_F(InsetTest, IsTransparentInTransparentFrames) {
+/// Its pixels do not depend on what is below it, also in transparent frames.
+TEST_F(InsetTest, HidesWhatIsBelowIt) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
-  settings_.look.transparent = true;
-  const record::FramePainter painter(run, settings_);
-  const record::Inset inset(run, settings_, painter.setup());
-  picture::Frame frame = picture::makeFrame(kSize, {255, 255, 255, 0});
-  inset.draw(frame, 0.5);
-  const picture::PageBox box = inset.box();
-  EXPECT_EQ(frame.at(static_cast<int>(box.left) + 1, static_cast<int>(box.upper) + 1).alpha, 0);
-  int ink = 0;
-  for (std::size_t k = 3; k < frame.pixels.size(); k += 4) ink += frame.pixels[k] > 128 ? 1 : 0;
-  EXPECT_GT(ink, 500);
-  EXPECT_LT(ink, 0.2 * box.width * box.height);
+  for (const bool isTransparent : {false, true}) {
+    settings_.look.transparent = isTransparent;
+    const record::FramePainter painter(run, settings_);
+    const record::Inset inset(run, settings_, painter.setup());
+    picture::Frame empty = picture::makeFrame(kSize, {255, 255, 255, 0});
+    picture::Frame covered = picture::makeFrame(kSize, {20, 60, 90});
+    inset.draw(empty, 0.5);
+    inset.draw(covered, 0.5);
+    const picture::PageBox box = inset.box();
+    int different = 0, ink = 0;
+    for (int y = static_cast<int>(box.upper); y < box.lower(); ++y) {
+      for (int x = static_cast<int>(box.left); x < box.right(); ++x) {
+        different += empty.at(x, y) == covered.at(x, y) ? 0 : 1;
+        ink += empty.at(x, y) == picture::Colour{255, 255, 255} ? 0 : 1;
+      }
+    }
+    EXPECT_EQ(different, 0);
+    EXPECT_GT(ink, 500);
+    EXPECT_LT(ink, 0.2 * box.width * box.height);
+  }
 }
 
 TEST_F(InsetTest, VideosDoNotDependOnThreads) {
