@@ -211,7 +211,15 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.grips.clear();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene),
-              HasSubstr("`ligaments` works only in the plane, but `planar` is off"));
+              HasSubstr("`ligaments` works only in the plane, but `planar` is off. Remove one"));
+  scene.solver.planar.reset();
+  scene.environment.gravity = {0, 1, -9.81};
+  EXPECT_THAT(refusalOf(scene), HasSubstr("but gravity is not vertical. Remove one of them, or set "
+                                          "`planar` to on"));
+  scene.hinges.areLigaments = false;
+  scene.hinges.neck.reset();
+  scene.hinges.ligament.emplace();
+  EXPECT_THAT(refusalOf(scene), HasSubstr("`ligament_stiffness` works only in the plane"));
   scene = turnedUnit();
   scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
