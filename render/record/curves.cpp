@@ -268,8 +268,15 @@ std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::L
         b.turning != mechanics::Turning::None && a.turning == mechanics::Turning::None;
     isDashed.push_back((isAtEnd ? a : b).unstableModes > 0);
   }
+  // The direction of a load replaces its parts along x, y and z.
+  const auto isPart = [&](const mechanics::GripName& grip) {
+    const std::string along = grip.name.substr(0, grip.name.rfind(' ')) + " along";
+    const auto isAlong = [&](const mechanics::GripName& other) { return other.name == along; };
+    return !grip.isTurn && grip.name != along && std::ranges::any_of(curve.grips, isAlong);
+  };
   std::vector<PlottedRun> found;
   for (std::size_t g = 0; g < curve.grips.size(); ++g) {
+    if (isPart(curve.grips[g])) continue;
     const auto& [grip, isTurn] = curve.grips[g];
     std::vector<double> displacements, forces;
     double largest = 0;

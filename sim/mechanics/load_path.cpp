@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <Eigen/SparseCholesky>
@@ -67,6 +68,10 @@ constexpr int kEigenRounds = 8;
 // A grip that is stiffer than the stiffest spring by this factor is held by joints.
 constexpr double kRigid = 1e6;
 constexpr double kNoSlope = 1e-8;  // of the force along the path, relative to the stiffest spring
+constexpr double kNoStiffness = std::numeric_limits<double>::quiet_NaN();
+// A displacement along the path below this, over the move of the sheet plus that of the force on
+// the stiffest spring, is rounding.
+constexpr double kNoDisplacement = 1e-10;
 constexpr double kBackwards = -1;  // loads below this end the path
 
 /// A point on the path in its unknowns, and the tangent.
@@ -377,10 +382,37 @@ class Follower {
     return found;
   }
 
+  /// Whether the leading grip's displacement changes only by rounding: joints lock its direction.
+  bool isStill(const Tangent& along) const {
+    const double unit = leadingUnit();
+    const double most =
+        along.q.norm() + std::abs(along.forceSlope) * unit / sheet_.stiffnessScale();
+    return std::abs(along.displacementSlope) <= kNoDisplacement * unit * most;
+  }
+
+  /// A figure of a grip, or its sum over grips: indices from the number of grips are those of sums.
+  template <typename Figure>
+  double sumOver(std::size_t index, const Figure& figure) const {
+    if (index < sheet_.grips()) return figure(index);
+    double sum = 0;
+    for (const auto& [grip, share] : settings_.sums[index - sheet_.grips()]) {
+      sum += share * figure(grip);
+    }
+    return sum;
+  }
+
+  // All grips of a sum move, none rotates: they have one unit.
+  double leadingUnit() const {
+    if (leading_ < sheet_.grips()) return sheet_.unit(leading_);
+    return sheet_.unit(settings_.sums[leading_ - sheet_.grips()].front().grip);
+  }
+
   // The rates of the leading grip's force and displacement along a tangent.
   void setSlopes(const PathPoint& at, Tangent& along) const {
-    along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
-    along.displacementSlope = sheet_.displacementSlope(leading_, at.q, along.q);
+    along.forceSlope = sumOver(
+        leading_, [&](std::size_t g) { return sheet_.force(g, along.load, along.multipliers); });
+    along.displacementSlope = sumOver(
+        leading_, [&](std::size_t g) { return sheet_.displacementSlope(g, at.q, along.q); });
   }
 
   /// Whether positions, energy and forces change between two points as their slopes predict.
@@ -454,8 +486,9 @@ class Follower {
       return;
     }
     const Equilibrium& last = path_.states.back();
-    const double unit = sheet_.unit(leading_);
-    if (std::abs(last.stiffness) * unit * unit > kRigid * sheet_.stiffnessScale())
+    const double unit = leadingUnit();
+    // Also true if no stiffness is known.
+    if (!(std::abs(last.stiffness) * unit * unit <= kRigid * sheet_.stiffnessScale()))
       path_.extent = last.displacements[leading_];
   }
 
@@ -483,7 +516,7 @@ class Follower {
   bool locate(const Point& from, const Point& to, std::vector<Special>& found) const {
     if (!locateChanges(from, to, found)) return false;
     // Smaller slopes are rounding: their sign has no meaning.
-    const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
+    const double noise = kNoSlope * sheet_.stiffnessScale() / leadingUnit();
     const bool isAboveNoise = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
     if (!isAboveNoise || from.along.forceSlope * to.along.forceSlope >= 0) return true;
     Point low = from, high = to;
@@ -570,13 +603,15 @@ class Follower {
     state.poses = sheet_.posesAt(at.q);
     state.coordinates = at.q;
     state.energy = sheet_.energy(at.q);
-    for (std::size_t g = 0; g < sheet_.grips(); ++g) {
-      state.displacements.push_back(sheet_.displacement(g, at.q));
-      state.forces.push_back(sheet_.force(g, at.load, at.multipliers));
+    for (std::size_t k = 0; k < sheet_.grips() + settings_.sums.size(); ++k) {
+      state.displacements.push_back(
+          sumOver(k, [&](std::size_t g) { return sheet_.displacement(g, at.q); }));
+      state.forces.push_back(
+          sumOver(k, [&](std::size_t g) { return sheet_.force(g, at.load, at.multipliers); }));
     }
-    // d(force) / d(displacement) along the path, N/m or N m/rad. It is infinite where the
+    // d(force) / d(displacement) along the path, N/m or N m/rad. It grows without bound where the
     // displacement reverses (snap-back).
-    state.stiffness = along.forceSlope / along.displacementSlope;
+    state.stiffness = isStill(along) ? kNoStiffness : along.forceSlope / along.displacementSlope;
     state.unstableModes = along.negatives;
     state.turning = turning;
     path_.states.push_back(std::move(state));
@@ -626,7 +661,7 @@ std::string toString(Turning turning) {
   return "";
 }
 
-// Numbers have the fewest digits that reproduce them exactly.
+// Numbers have the fewest digits that reproduce them exactly. An unknown stiffness is empty.
 std::string loadTable(const LoadCurve& curve, const LengthUnit& unit) {
   const GripName& leading = curve.grips[curve.leading];
   std::string text =
@@ -638,8 +673,9 @@ std::string loadTable(const LoadCurve& curve, const LengthUnit& unit) {
   }
   text += '\n';
   for (const Equilibrium& state : curve.states) {
+    const double stiffness = state.stiffness * (leading.isTurn ? 1 : unit.metres);
     text += fmt::format("{},{},{},{},{}", state.load, state.energy,
-                        leading.isTurn ? state.stiffness : state.stiffness * unit.metres,
+                        std::isnan(stiffness) ? "" : fmt::format("{}", stiffness),
                         state.unstableModes, toString(state.turning));
     for (std::size_t g = 0; g < curve.grips.size(); ++g) {
       const double moved = state.displacements[g];

@@ -34,9 +34,11 @@ struct Equilibrium {
   Poses poses;                        ///< one per brick
   Eigen::VectorXd coordinates;        ///< of the sheet, see LoadedSheet; empty in results of runs
   double energy = 0;                  ///< of the springs, joules
-  std::vector<double> displacements;  ///< of each grip, see ElasticSheet; metres or radians
-  std::vector<double> forces;         ///< of each grip, newtons or N m
-  /// Stiffness at the leading grip: d(force)/d(displacement) along the path, N/m or N m/rad.
+  /// Of each grip, see ElasticSheet, then of each sum over grips: metres or radians.
+  std::vector<double> displacements;
+  std::vector<double> forces;  ///< of the same, newtons or N m
+  /// Stiffness at the leading grip: d(force)/d(displacement) along the path, N/m or N m/rad. NaN if
+  /// the displacement changes only by rounding.
   double stiffness = 0;
   /// Number of independent unstable directions under the present control.
   int unstableModes = 0;
@@ -45,9 +47,21 @@ struct Equilibrium {
 
 /// Name and type of a grip in results.
 struct GripName {
-  std::string name;     ///< for example "grip 1 x"; numbers count from 1, as in the scene file
+  /// For example "grip 1 x"; numbers count from 1, as in the scene file. "grip 1 along" is along
+  /// the direction of a load that has several of x, y and z.
+  std::string name;
   bool isTurn = false;  ///< radians and N m, else metres and newtons
 };
+
+/// One term of a sum over grips.
+struct GripShare {
+  std::size_t grip = 0;  ///< index
+  double share = 1;      ///< factor
+};
+
+/// A displacement or a force as a weighted sum of those of grips. Grips that rotate have no part in
+/// sums.
+using GripSum = std::vector<GripShare>;
 
 /// The equilibria that a run went through.
 struct LoadCurve {
@@ -64,6 +78,12 @@ std::string loadTable(const LoadCurve& curve, const LengthUnit& unit = {});
 // ------------------------------------------------------------------------------------------------
 // The interface of a sheet that a load path follows: its energy and constraints as functions of
 // coordinates, and the grips that load it.
+
+/// Consecutive rows of constraints.
+struct RowRange {
+  Eigen::Index first = 0;
+  Eigen::Index count = 0;
+};
 
 /// A sheet in coordinates q, each a length in length scales or an angle in radians. Energies are in
 /// joules. Grip indices are >= 0. The load scales the moves and forces of all grips. All functions
@@ -84,6 +104,8 @@ class LoadedSheet {
   virtual int rows() const = 0;
   /// The number of grips.
   virtual std::size_t grips() const = 0;
+  /// The rows of a grip that moves, of all its handles. Empty for a grip that pushes.
+  virtual RowRange rowsOf(std::size_t grip) const = 0;
 
   /// The coordinates of the sheet as it was built, at load 0.
   virtual Vector startCoordinates() const = 0;
@@ -145,6 +167,8 @@ struct LoadPathSettings {
   double longestStep = 0.05;
   int mostSteps = 2000;  ///< limit for the whole path
   int leastStates = 1;   ///< while the load grows by 1; does not change the path
+  /// Sums to record, after the grips: for example the force along a direction.
+  std::vector<GripSum> sums = {};
 };
 
 /// Called with each state; return false to end the path.
@@ -152,7 +176,8 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 
 /// Follows the equilibria of a sheet from the one near its start, at load 0, to load 1. Limit
 /// points and bifurcations are located and recorded as separate states. Branches are not followed.
-/// `leading`: the index of the grip whose force and stiffness are reported. Throws RunError if no
+/// `leading`: the index of the grip whose force and stiffness are reported, or the number of grips
+/// plus the index of a sum. Throws RunError if no
 /// equilibrium is found at load 0, or if the sheet can move there without resistance. Each state
 /// costs a few sparse factorisations of the Hessian. The sheet must outlive the call.
 LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,

@@ -29,6 +29,7 @@
 #include "sim/run/run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -366,6 +367,25 @@ bool Run::followTimeline(bool atRest) {
   if (!timeline_.carryOut(view, *this, recorder_.events())) return false;
   rest_.restartCount();
   return true;
+}
+
+// A pin that stops a moving tile is an impact without rebound: the other tiles keep the nearest
+// velocities, in the metric of the masses, that the joints allow. Bullet stops pinned tiles itself.
+void Run::setPinned(const std::vector<bool>& pinned) {
+  motion_.solver().setPinned(pinned);
+  if (bricks_.scene.solver.kind != scene::SolverKind::Direct) return;
+  Motion& now = motion_.now();
+  const Motion before = now;
+  bool areStopped = false;
+  for (std::size_t i = 0; i < pinned.size(); ++i) {
+    Velocity& velocity = now.velocities[i];
+    if (!pinned[i] || (velocity.linear.isZero(0) && velocity.angular.isZero(0))) continue;
+    velocity = {};
+    areStopped = true;
+  }
+  if (!areStopped) return;
+  if (!std::isfinite(motion_.solver().jointStiffness())) motion_.solver().fitVelocities(now);
+  recorder_.addImpact(before, now);
 }
 
 // Null selects the model's own target.

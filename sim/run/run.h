@@ -132,7 +132,7 @@ class Run : private TimelineStage {
 
   // The timeline and its actions on the run.
   bool followTimeline(bool atRest);
-  void setPinned(const std::vector<bool>& pinned) override { motion_.solver().setPinned(pinned); }
+  void setPinned(const std::vector<bool>& pinned) override;
   void goTo(const std::vector<model::Tile>* target) override;
   void reset() override;
   void quit() override;

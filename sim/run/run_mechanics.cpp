@@ -211,6 +211,14 @@ void RunMechanics::end(const StepSpan& step) {
   }
 }
 
+// The next begin() then finds no change of the kinetic energy.
+void RunMechanics::addImpact(const Motion& before, const Motion& after) {
+  const double lost = trajectory::kineticEnergy(bricks_.bricks, before) -
+                      trajectory::kineticEnergy(bricks_.bricks, after);
+  account_.now.kinetic -= lost;
+  account_.now.impacted += lost;
+}
+
 /// Exact for forces that grow linearly with the distance from a point, as these do.
 double RunMechanics::workOfFreeForces(const Poses& from, const Poses& to) const {
   const std::vector<Vector3> before = acting_.freeForces(from);

@@ -91,6 +91,8 @@ class RunMechanics {
   void begin(double time, const Motion& motion);
   /// Call this after each step.
   void end(const StepSpan& step);
+  /// Call this when an impact between two steps changes velocities.
+  void addImpact(const Motion& before, const Motion& after);
 
   /// The mechanics of a state at a time, at a share ([0, 1]) of the last step.
   trajectory::Mechanics at(double time, const Motion& motion, double share);

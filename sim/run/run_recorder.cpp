@@ -38,6 +38,10 @@ void RunRecorder::endStep(const StepReport& report, bool isToTolerance) {
   if (mechanics_) mechanics_->end(motion_.span(clock_.time(), report, isToTolerance));
 }
 
+void RunRecorder::addImpact(const Motion& before, const Motion& after) {
+  if (mechanics_) mechanics_->addImpact(before, after);
+}
+
 void RunRecorder::observe(const StepReport& report, bool jointsAreCompliant) {
   figures_.observe(clock_.time(), motion_.poses(), report, jointsAreCompliant, statesWithin());
 }

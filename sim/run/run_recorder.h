@@ -45,6 +45,8 @@ class RunRecorder {
   void beginStep();
   /// Accounts for a step after the solver, before the clock advances.
   void endStep(const StepReport& report, bool isToTolerance);
+  /// Accounts for an impact between two steps.
+  void addImpact(const Motion& before, const Motion& after);
   /// Measures the state after the step. If this is interrupted (see sim/base/interruption.h),
   /// nothing changes.
   void observe(const StepReport& report, bool jointsAreCompliant);

@@ -5,10 +5,10 @@
 // three times faster. A scene is planar if nothing can push a brick out of its plane: start and
 // all targets lie in the plane of the sheet frame (to 1e-9 of the model's size), no tile is
 // turned over, and no speed, drag, obstacle or gravity points out of the plane, unless the
-// ground balances gravity. *Quasi-static* scenes need no dynamics: geometry determines the path
-// of the sheet, and its mechanism can be followed without masses and time. All user settings in
-// addition to the model and the output (a drive, a timeline, springs, friction, ...) require
-// dynamics.
+// ground balances gravity. Gravity along the plane is planar for ligaments only. *Quasi-static*
+// scenes need no dynamics: geometry determines the path of the sheet, and its mechanism can be
+// followed without masses and time. All user settings in addition to the model and the output (a
+// drive, a timeline, springs, friction, ...) require dynamics.
 #include "sim/scene/scene_needs.h"
 
 #include <algorithm>
@@ -71,15 +71,18 @@ bool leavesPlane(const model::SheetFrame& frame, const InitialVelocity& velocity
          along.norm() > kRounding * velocity.angular.norm();
 }
 
-/// Why gravity and the ground cause spatial motion of a flat sheet; empty if they do not.
+/// Why gravity and the ground cause spatial motion of a flat sheet; empty if they do not. Gravity
+/// along the plane acts at the mass centres. Joints on one face are half a thickness off, so it can
+/// tilt tiles. Ligaments have no such offset.
 std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, double tolerance) {
   const Vector3& gravity = scene.environment.gravity;
   const std::optional<Ground>& ground = scene.environment.ground;
+  const bool isAlong = scene.hinges.hasLigaments() && isInPlane(frame, gravity);
   if (!frame.isHorizontal()) {
     if (ground) return "the sheet does not lie on the ground";
-    return gravity.isZero(0) ? "" : "there is gravity and the sheet is not horizontal";
+    return gravity.isZero(0) || isAlong ? "" : "there is gravity and the sheet is not horizontal";
   }
-  if (!isVertical(gravity)) return "gravity is not vertical";
+  if (!isVertical(gravity) && !isAlong) return "gravity is not vertical";
   // Gravity towards the ground is balanced by a normal force. Otherwise the sheet rises or falls.
   if (gravity.z() > 0 || (gravity.z() < 0 && !ground)) return "gravity pulls out of the plane";
   const double level = frame.origin.z();

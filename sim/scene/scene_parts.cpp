@@ -955,16 +955,20 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
     ties.pivots = model::makePivots(scene.model.joints, bricks);
     return ties;
   }
+  const char* key = scene.hinges.ligament ? "ligament_stiffness" : "ligaments";
   if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
-    throw InputError(
-        fmt::format("error: `ligaments` works only in the plane, but {}. Remove one of them",
-                    scene.solver.planar ? "`planar` is off" : planar.reason));
+    const bool isOff = scene.solver.planar.has_value();
+    const bool mayBeOn = !isOff && model::sheetFrame(scene.model);
+    throw InputError(fmt::format(
+        "error: `{}` works only in the plane, but {}. {}", key,
+        isOff ? "`planar` is off" : planar.reason,
+        mayBeOn ? "Remove one of them, or set `planar` to on: the plane then holds the tiles"
+                : "Remove one of them"));
   }
   // --planar on keeps bricks in parallel planes, but does not require coplanar tiles.
   if (!model::sheetFrame(scene.model)) {
-    throw InputError(
-        "error: `ligaments` works only in the plane, but the start is not flat. Remove "
-        "`ligaments`");
+    throw InputError(fmt::format(
+        "error: `{0}` works only in the plane, but the start is not flat. Remove `{0}`", key));
   }
   addJoints(scene, bricks, ties);
   return ties;

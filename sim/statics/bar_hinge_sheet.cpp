@@ -247,13 +247,19 @@ double BarHingeSheet::displacementSlope(std::size_t grip, const Vector&,
   return sum / static_cast<double>(found.handles.size());
 }
 
+mechanics::RowRange BarHingeSheet::rowsOf(std::size_t grip) const {
+  const NodeGrip& found = grips_[grip];
+  const std::size_t count = found.isForce ? 0 : found.handles.size();
+  return {firstRow_[grip], static_cast<Eigen::Index>(count)};
+}
+
 // A multiplier is the energy per motion of a row, which is in length scales. Divided by the scale
 // it is in newtons. The sign converts the force of the row on the sheet to the force of the grip.
 double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
   const NodeGrip& found = grips_[grip];
   if (found.isForce) return load * found.amount;
-  const auto count = static_cast<Eigen::Index>(found.handles.size());
-  return -multipliers.segment(firstRow_[grip], count).sum() / scale_;
+  const auto [first, count] = rowsOf(grip);
+  return -multipliers.segment(first, count).sum() / scale_;
 }
 
 // ------------------------------------------------------------------------------------------------

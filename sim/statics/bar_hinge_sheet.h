@@ -67,6 +67,7 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   int unknowns() const override { return 3 * static_cast<int>(model_.nodes.size()); }
   int rows() const override { return static_cast<int>(offset_.size()); }
   std::size_t grips() const override { return grips_.size(); }
+  mechanics::RowRange rowsOf(std::size_t grip) const override;
   Vector startCoordinates() const override;
   /// The pose of each tile that fits its nodes best.
   Poses posesAt(const Vector& q) const override;
@@ -104,7 +105,7 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   double stiffness_ = 0;              // joules
   Matrix jacobian_;
   Vector offset_, motion_;
-  std::vector<Eigen::Index> firstRow_;  // of each moving grip
+  std::vector<Eigen::Index> firstRow_;  // of each grip
 };
 
 }  // namespace kirireel::statics

@@ -50,7 +50,7 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
     addRow({{{.brick = tile, .isTurn = true}, Vector3::UnitZ()}}, 0, q);
   }
   for (const Grip& grip : grips_) {
-    firstRow_.push_back(rows_.size());
+    firstRow_.push_back(rows());
     if (grip.isForce) continue;
     for (const GripHandle& handle : grip.handles) {
       addRow({{handle, grip.direction}}, grip.amount / (handle.isTurn ? 1 : scale_), q);
@@ -292,6 +292,12 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
+mechanics::RowRange ElasticSheet::rowsOf(std::size_t grip) const {
+  const Grip& found = grips_[grip];
+  const std::size_t count = found.isForce ? 0 : found.handles.size();
+  return {firstRow_[grip], static_cast<Eigen::Index>(count)};
+}
+
 // All handles of a grip have the same type: check the first.
 double ElasticSheet::unit(std::size_t grip) const {
   return grips_[grip].handles.front().isTurn ? 1 : scale_;
@@ -323,25 +329,18 @@ double ElasticSheet::displacementSlope(std::size_t number, const Vector& q,
 // Minus the sum of its rows' multipliers. A multiplier is in joules per unit of the row. Divided by
 // the scale it is in newtons; for a rotation it is already in N m.
 double ElasticSheet::multiplierForce(std::size_t grip, const Vector& multipliers) const {
-  const Grip& found = grips_[grip];
-  double sum = 0;
-  for (std::size_t h = 0; h < found.handles.size(); ++h) {
-    const auto row = static_cast<Eigen::Index>(firstRow_[grip] + h);
-    sum -= multipliers[row] / (found.handles[h].isTurn ? 1 : scale_);
-  }
-  return sum;
+  const auto [first, count] = rowsOf(grip);
+  return -multipliers.segment(first, count).sum() / unit(grip);
 }
 
-// Multipliers of three axes of space hold any part along the normal, which does no work.
+// Multipliers of dependent directions hold any part that does no work. The sum removes it.
 double ElasticSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
   const Grip& found = grips_[grip];
   if (found.isForce) return load * found.amount;
-  double along = 0;
-  for (std::size_t k = 0; found.firstOfThree && k < 3; ++k) {
-    const std::size_t one = *found.firstOfThree + k;
-    along += grips_[one].outOfPlane * multiplierForce(one, multipliers);
-  }
-  return multiplierForce(grip, multipliers) - found.outOfPlane * along;
+  if (found.force.empty()) return multiplierForce(grip, multipliers);
+  double sum = 0;
+  for (const auto& [other, share] : found.force) sum += share * multiplierForce(other, multipliers);
+  return sum;
 }
 
 }  // namespace kirireel::statics

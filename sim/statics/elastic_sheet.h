@@ -2,7 +2,6 @@
 /// functions of three coordinates per tile.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "sim/mechanics/load_path.h"
@@ -30,10 +29,9 @@ struct Grip {
   /// load, which keeps its direction.
   double amount = 0;
   bool isForce = false;  ///< true: a force, false: a move
-  /// Of three consecutive grips that move the same handles along three axes of space: index of the
-  /// first. In the plane one of them is redundant.
-  std::optional<std::size_t> firstOfThree;
-  double outOfPlane = 0;  ///< the part of its axis along the normal, in [-1, 1]
+  /// If directions of grips that move the same handles depend on each other, their multipliers are
+  /// not unique: the sum of multipliers that is the force of this grip. Empty: its own multipliers.
+  mechanics::GripSum force = {};
 };
 
 /// A sheet in the plane. Its coordinates are x and y of the displacement of each brick's centre of
@@ -50,6 +48,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
   int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
   int rows() const override { return static_cast<int>(rows_.size()); }
   std::size_t grips() const override { return grips_.size(); }
+  mechanics::RowRange rowsOf(std::size_t grip) const override;
   Vector startCoordinates() const override;
   Poses posesAt(const Vector& q) const override;
   double energy(const Vector& q) const override;
@@ -108,7 +107,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
   model::PairForces others_;  // neither springs nor ligaments
   double scale_;              // metres
   std::vector<Row> rows_;
-  std::vector<std::size_t> firstRow_;  // of each moving grip
+  std::vector<Eigen::Index> firstRow_;  // of each grip
 };
 
 }  // namespace kirireel::statics

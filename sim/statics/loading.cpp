@@ -11,7 +11,7 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -123,14 +123,51 @@ std::vector<GripOrder> gripsOf(const scene::Scene& scene) {
   return found;
 }
 
-/// The first grip that moves or pushes.
-std::size_t leadingOf(const std::vector<GripOrder>& grips) {
+/// A load that has several of x, y and z: its direction, and the sum over the grips of these axes.
+struct DirectedLoad {
+  GripOrder order;
+  mechanics::GripSum sum;
+};
+
+std::vector<DirectedLoad> directedLoads(const std::vector<GripOrder>& grips) {
+  std::vector<DirectedLoad> found;
+  for (std::size_t first = 0; first < grips.size();) {
+    DirectedLoad load{grips[first], {}};
+    Vector3 whole = Vector3::Zero();
+    double square = 0;
+    std::size_t g = first;
+    for (; g < grips.size() && grips[g].setting == grips[first].setting; ++g) {
+      const double amount = grips[g].amount;
+      if (grips[g].name.isTurn || amount == 0) continue;
+      load.sum.push_back({g, amount});
+      whole += amount * grips[g].direction;
+      square += amount * amount;
+    }
+    first = g;
+    if (load.sum.size() < 2) continue;
+    load.order.amount = std::sqrt(square);
+    load.order.direction = whole.normalized();
+    load.order.axis = "along";
+    std::string& name = load.order.name.name;
+    name = name.substr(0, name.rfind(' ') + 1) + load.order.axis;
+    for (mechanics::GripShare& share : load.sum) share.share /= load.order.amount;
+    found.push_back(std::move(load));
+  }
+  return found;
+}
+
+/// The first load: the index of its grip, or the number of grips plus that of its direction.
+std::size_t leadingOf(const std::vector<GripOrder>& grips,
+                      const std::vector<DirectedLoad>& directed) {
   const auto leading =
       std::ranges::find_if(grips, [](const GripOrder& grip) { return grip.amount != 0; });
   if (leading == grips.end()) {
     throw inputErrorAt(grips.front().setting->where,
                        "no grip moves or pushes. Set an amount other than 0 for one of them, for "
                        "example move = {x = 0.1}");
+  }
+  for (std::size_t k = 0; k < directed.size() && !leading->name.isTurn; ++k) {
+    if (directed[k].order.setting == leading->setting) return grips.size() + k;
   }
   return static_cast<std::size_t>(leading - grips.begin());
 }
@@ -150,87 +187,123 @@ std::string held(const scene::Scene& scene, const GripOrder& grip) {
   return fmt::format("{} of {}", grip.axis, fmt::join(parts, ", "));
 }
 
-/// Whether joints, pins and grips allow their combined moves to first order at the start.
-bool allowMoves(const mechanics::LoadedSheet& sheet) {
+constexpr double kBlocked = 1e-6;  // of the moves, or of the part that is blocked
+
+/// The part of the moves of all rows that joints, pins and grips do not allow to first order at the
+/// start. It is the least forces of rows in balance with each other that do work on the moves.
+Eigen::VectorXd blockedMoves(const mechanics::LoadedSheet& sheet) {
   using Matrix = mechanics::LoadedSheet::Matrix;
-  constexpr double kFirm = 1e-9;     // relative to the squares of the rows
-  constexpr double kAllowed = 1e-6;  // fraction of the moves that may be missing
+  constexpr double kFirm = 1e-9;  // relative to the squares of the rows
   const Matrix rows = sheet.jacobian(sheet.startCoordinates());
-  const Eigen::VectorXd motion = sheet.motion();
-  if (motion.size() == 0 || motion.isZero(0)) return true;
+  Eigen::VectorXd missing = sheet.motion();
+  if (missing.size() == 0 || missing.isZero(0)) return missing;
   Matrix firm(rows.cols(), rows.cols());
   firm.setIdentity();
   const Matrix square = Matrix(rows.transpose() * rows) + kFirm * firm;
   const Eigen::SimplicialLDLT<Matrix> factor(square);
-  Eigen::VectorXd move = Eigen::VectorXd::Zero(rows.cols());
-  Eigen::VectorXd missing = motion;
   // Each round corrects the error of the added diagonal.
   for (int round = 0; round < 5; ++round) {
-    move += factor.solve(Eigen::VectorXd(rows.transpose() * missing));
-    missing = motion - rows * move;
+    missing -= rows * factor.solve(Eigen::VectorXd(rows.transpose() * missing));
   }
-  return missing.norm() <= kAllowed * motion.norm();
+  return missing;
 }
 
-/// Throws InputError for contradicting grips: the joints do not allow their combined moves, but
-/// allow the moves without one of them.
-template <typename MakeSheet>
+/// Throws InputError for contradicting grips: the joints do not allow their combined moves. Blocked
+/// moves of one [[grip]] are the limit of the joints, which the path reports at its end. The moves
+/// of a [[grip]] along its axes count as one: their number depends on the plane of the sheet.
 void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
-                      const MakeSheet& makeSheet) {
-  if (allowMoves(*makeSheet(grips))) return;
+                      const mechanics::LoadedSheet& sheet) {
+  const Eigen::VectorXd blocked = blockedMoves(sheet);
+  if (blocked.norm() <= kBlocked * sheet.motion().norm()) return;
   std::vector<std::string> names;
   const GripOrder* last = nullptr;
+  bool areSeveral = false;
   for (std::size_t g = 0; g < grips.size(); ++g) {
-    if (grips[g].setting->isForce) continue;
-    std::vector<GripOrder> others = grips;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(g));
-    const bool isMoving = std::ranges::any_of(
-        others, [](const GripOrder& grip) { return grip.amount != 0 && !grip.setting->isForce; });
-    // Every contradiction contains all moving grips.
-    const bool isPart = !isMoving || allowMoves(*makeSheet(others));
-    if (!isPart) continue;
-    names.push_back(
-        fmt::format("{} by {:g} ({})", held(scene, grips[g]), grips[g].amount, grips[g].name.name));
-    last = &grips[g];
+    const auto [first, count] = sheet.rowsOf(g);
+    if (!(blocked.segment(first, count).norm() > kBlocked * blocked.norm())) continue;
+    const GripOrder& grip = grips[g];
+    names.push_back(fmt::format("{} by {:g} ({})", held(scene, grip), grip.amount, grip.name.name));
+    areSeveral |= last && (last->setting != grip.setting || last->name.isTurn != grip.name.isTurn);
+    last = &grip;
   }
-  // With one grip or none the joints are the limit. The path reports this at its end.
-  if (names.size() < 2) return;
+  if (!areSeveral) return;
   throw inputErrorAt(last->setting->where,
                      fmt::format("grips contradict each other: the joints do not allow {} "
-                                 "together. Remove one of them or change its move",
+                                 "together. Remove one of these grips or change its move",
                                  fmt::join(names, ", ")));
 }
 
-/// The part of a direction in the plane of the sheet. The normal is the z axis of the
-/// scene.
-Vector3 inPlane(const Vector3& direction) {
+/// Whether a direction is the normal of the sheet: the z axis of the scene.
+bool isNormal(const Vector3& direction) {
   constexpr double kRounding = 1e-9;
-  const Vector3 part(direction.x(), direction.y(), 0);
-  return part.norm() > kRounding ? part : Vector3::Zero();
+  return direction.head<2>().norm() <= kRounding;
+}
+
+/// The directions among x, y and z that a grip names, in the plane of the sheet.
+struct NamedDirections {
+  std::vector<int> axes;       ///< columns of GripSetting::axes
+  Eigen::MatrixXd directions;  ///< their parts in the plane, one per row
+  Eigen::VectorXd amounts;     ///< at load 1
+  /// Projection of amounts or forces along these directions onto those of vectors in the plane. Its
+  /// rank is that of the directions.
+  Eigen::MatrixXd projection;
+  int rank = 0;
+
+  bool areDependent() const { return rank < static_cast<int>(axes.size()); }
+  /// The row of an axis.
+  Eigen::Index rowOf(int axis) const { return std::ranges::find(axes, axis) - axes.begin(); }
+};
+
+// Singular values below the tolerance of the sheet's plane are rounding of the file. Without them,
+// dependent directions are exactly dependent.
+NamedDirections namedDirections(const scene::GripSetting& grip) {
+  constexpr double kDependent = 1e-7;  // of the largest singular value
+  NamedDirections named;
+  const std::optional<double>* const amounts[] = {&grip.x, &grip.y, &grip.z};
+  for (int k = 0; k < 3; ++k) {
+    if (*amounts[k]) named.axes.push_back(k);
+  }
+  const auto count = static_cast<Eigen::Index>(named.axes.size());
+  named.directions.resize(count, 2);
+  named.amounts.resize(count);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    const int axis = named.axes[static_cast<std::size_t>(row)];
+    named.directions.row(row) = grip.axes.col(axis).head<2>();
+    named.amounts[row] = **amounts[axis];
+  }
+  if (count == 0) return named;
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(named.directions,
+                                        Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(kDependent);
+  named.rank = static_cast<int>(svd.rank());
+  const Eigen::MatrixXd range = svd.matrixU().leftCols(named.rank);
+  named.projection = range * range.transpose();
+  if (named.areDependent()) named.directions = named.projection * named.directions;
+  return named;
 }
 
 /// Throws InputError if a grip names the normal of the sheet, has amounts that no move in the plane
 /// has, or has a force out of the plane.
 void requireInPlane(const scene::GripSetting& grip) {
   constexpr double kRounding = 1e-9;
-  Eigen::Matrix<double, 3, 2> directions = Eigen::Matrix<double, 3, 2>::Zero();
-  Vector3 amounts = Vector3::Zero();
-  const std::optional<double>* const named[] = {&grip.x, &grip.y, &grip.z};
-  for (int k = 0; k < 3; ++k) {
-    if (!*named[k]) continue;
-    directions.row(k) = inPlane(grip.axes.col(k)).head<2>();
-    amounts[k] = **named[k];
-    if (!directions.row(k).isZero(0)) continue;
+  const NamedDirections named = namedDirections(grip);
+  if (named.axes.empty()) return;
+  for (const int axis : named.axes) {
+    if (!isNormal(grip.axes.col(axis))) continue;
     throw inputErrorAt(
         grip.where,
         fmt::format(
             "grips load this sheet only in its plane. Remove {} or let the tiles bend (`panels`)",
-            "xyz"[k]));
+            "xyz"[axis]));
   }
-  const Eigen::Vector2d move = directions.colPivHouseholderQr().solve(amounts);
-  const double out =
-      grip.isForce ? std::abs((grip.axes * amounts).z()) : (directions * move - amounts).norm();
-  if (out <= kRounding * amounts.norm()) return;
+  double out = (named.projection * named.amounts - named.amounts).norm();
+  if (grip.isForce) {
+    out = 0;
+    for (std::size_t k = 0; k < named.axes.size(); ++k) {
+      out += named.amounts[static_cast<Eigen::Index>(k)] * grip.axes.col(named.axes[k]).z();
+    }
+  }
+  if (std::abs(out) <= kRounding * named.amounts.norm()) return;
   throw inputErrorAt(grip.where,
                      "this grip moves out of the plane of the sheet. Set x, y and z of a direction "
                      "in the plane, or let the tiles bend (`panels`)");
@@ -243,20 +316,18 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
                                                     const std::vector<GripOrder>& grips) {
   for (const scene::GripSetting& grip : scene.grips) requireInPlane(grip);
   std::vector<Grip> held;
-  std::size_t first = 0;
-  const scene::GripSetting* lastOfThree = nullptr;
   for (const GripOrder& grip : grips) {
-    held.push_back(
-        {handlesOf(grip, bricks), inPlane(grip.direction), grip.amount, grip.setting->isForce});
-    const scene::GripSetting& setting = *grip.setting;
-    const bool isOfThree = setting.x && setting.y && setting.z && !grip.name.isTurn;
-    if (!isOfThree) continue;
-    // gripsOf() lists x, y and z of a setting consecutively.
-    const bool isNext = &setting == lastOfThree;
-    first = isNext ? first : held.size() - 1;
-    lastOfThree = &setting;
-    held.back().firstOfThree = first;
-    held.back().outOfPlane = grip.direction.z();
+    held.push_back({handlesOf(grip, bricks), Vector3::Zero(), grip.amount, grip.setting->isForce});
+    if (grip.name.isTurn) continue;
+    const NamedDirections named = namedDirections(*grip.setting);
+    const Eigen::Index row = named.rowOf(grip.axis.front() - 'x');
+    held.back().direction.head<2>() = named.directions.row(row);
+    if (!named.areDependent()) continue;
+    // gripsOf() lists the axes of a setting consecutively.
+    const std::size_t first = held.size() - 1 - static_cast<std::size_t>(row);
+    for (Eigen::Index k = 0; k < named.projection.cols(); ++k) {
+      held.back().force.push_back({first + static_cast<std::size_t>(k), named.projection(row, k)});
+    }
   }
   return std::make_unique<ElasticSheet>(bricks, model::startPoses(scene.model.tiles, bricks),
                                         ties.pairForces, ties.pivots, pinnedTiles(scene),
@@ -353,6 +424,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
   } else {
     result.reason = loaded.trouble;
   }
+  if (!loaded.arrives) result.shortfall = result.reason;
   if (loaded.arrives && modes > 0) {
     result.warnings.push_back(fmt::format(
         "the last equilibrium is unstable: the sheet would leave it in {} independent direction{}",
@@ -364,11 +436,12 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
   if (grown > run::kClearShare * tile) {
     result.outcome = run::Outcome::Locked;
     result.forbiddenOverlap = grown;
-    result.shortfall = fmt::format(
+    const std::string overlap = fmt::format(
         "tiles overlap by up to {}. Equilibria under grips have no contacts, so the sheet can pass "
         "through itself",
         model::lengthInTiles(grown, scene.model));
-    result.reason += "; " + result.shortfall;
+    result.reason += "; " + overlap;
+    result.shortfall = loaded.arrives ? overlap : result.reason;
   }
   result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
 }
@@ -381,17 +454,17 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
-  const std::size_t leading = leadingOf(grips);
-  const auto makeSheet =
-      [&](const std::vector<GripOrder>& of) -> std::unique_ptr<mechanics::LoadedSheet> {
-    if (!scene.hinges.panels) return planarSheet(scene, bricks, ties, of);
-    return makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), of);
-  };
-  requireAgreement(scene, grips, makeSheet);
-  const std::unique_ptr<mechanics::LoadedSheet> sheet = makeSheet(grips);
+  const std::vector<DirectedLoad> directed = directedLoads(grips);
+  const std::size_t leading = leadingOf(grips, directed);
+  const std::unique_ptr<mechanics::LoadedSheet> sheet =
+      scene.hinges.panels
+          ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), grips)
+          : planarSheet(scene, bricks, ties, grips);
+  requireAgreement(scene, grips, *sheet);
   const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
   mechanics::LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
+  for (const DirectedLoad& load : directed) settings.sums.push_back(load.sum);
   const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
   const run::GeometricPath path = playbackPath(bricks, loaded, isSoft);
   Poses last;
@@ -403,6 +476,9 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
       run::playBack(scene, path, run::assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = mechanics::LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
+  for (const DirectedLoad& load : directed) {
+    result.loadCurve->grips.push_back(load.order.name);
+  }
   for (mechanics::Equilibrium& state : result.loadCurve->states) state.coordinates.resize(0);
   const double seconds = std::min(scene.path.playTime, scene.stop.duration);
   if (const auto* panels = dynamic_cast<const BarHingeSheet*>(sheet.get())) {
@@ -417,7 +493,8 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, seconds, scene.model.unit, result);
   if (result.outcome == run::Outcome::Interrupted) return result;
-  noteEnd(scene, bricks, loaded, grips[leading], result);
+  noteEnd(scene, bricks, loaded,
+          leading < grips.size() ? grips[leading] : directed[leading - grips.size()].order, result);
   return result;
 }
 

@@ -47,9 +47,10 @@ struct Energies {
   /// joints, and expand the bricks. Includes gravity.
   double work = 0;
   double damped = 0;    ///< removed by dampers, >= 0
-  double impacted = 0;  ///< removed by contacts, through impacts and friction
+  /// Removed by contacts, through impacts and friction, and by pins that stop moving tiles.
+  double impacted = 0;
 
-  /// Loss of the integrator, and of pins that stop moving tiles: the remainder.
+  /// Loss of the integrator: the remainder.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
   /// For files; see base/fields.h.
@@ -62,7 +63,7 @@ struct Energies {
         field("work", &Energies::work, "J", "put in so far by drives and gravity"),
         field("damped", &Energies::damped, "J", "taken so far by dampers"),
         field("impacted", &Energies::impacted, "J",
-              "taken so far by impacts and friction of contacts"));
+              "taken so far by impacts and friction of contacts, and pins that stop tiles"));
   }
 };
 

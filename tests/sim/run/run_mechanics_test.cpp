@@ -125,6 +125,50 @@ TEST(Energies, GoInAnImpact) {
   EXPECT_NEAR(end.impacted, end.work, 1e-6 * end.work);  // measured 3e-9
 }
 
+/// Two squares of side 1 that share a corner and move with (1, 0.5) m/s, without forces.
+scene::Scene movingSquares() {
+  scene::Scene scene;
+  scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       {{{1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}}}};
+  scene.model.joints = {{{0, 2}, {1, 0}}};
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.actuation.drive = scene::Drive::None;
+  scene.stop.duration = 0.2;
+  scene::InitialVelocity velocity;
+  velocity.linear = {1, 0.5, 0};
+  scene.velocities = {velocity};
+  return scene;
+}
+
+// One square stops. The other keeps its spin about the corner: with I = 2/3 m, L = -m/4, this is
+// 3/80 of the energy before.
+TEST(Energies, GoAtAPinAsInAnImpact) {
+  scene::Scene scene = movingSquares();
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.1}, Pin{{0}}, {}}};
+  for (const double tolerance : {0.0, 1e-6}) {
+    scene.solver.tolerance = tolerance;
+    const std::vector<trajectory::Sample> samples = samplesOf(scene);
+    const double before = samples.front().mechanics->energies.kinetic;
+    const trajectory::Energies& end = samples.back().mechanics->energies;
+    EXPECT_GT(before, 0);
+    EXPECT_NEAR(end.impacted / before, 77.0 / 80, 1e-9) << tolerance;
+    EXPECT_NEAR(end.work, before, 1e-9 * before);
+    // Euler steps take some of the spin.
+    EXPECT_NEAR(end.integrated() / before, 0, tolerance > 0 ? 1e-6 : 1e-3) << tolerance;
+  }
+}
+
+// A tile that is at rest, or is pinned again, loses nothing.
+TEST(Energies, DoNotGoAtAPinOfATileAtRest) {
+  scene::Scene scene = movingSquares();
+  scene.velocities.clear();
+  scene.solver.tolerance = 1e-6;
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.05}, Pin{{0}}, {}},
+                    {{scene::Trigger::Kind::AtTime, 0.1}, Pin{{0}}, {}}};
+  EXPECT_EQ(samplesOf(scene).back().mechanics->energies.impacted, 0);
+}
+
 TEST(Energies, CountTheWorkOfAGrip) {
   scene::Scene scene = openingSheet();
   scene.actuation.drive = scene::Drive::None;

@@ -71,6 +71,16 @@ TEST(SceneNeeds, GravityIsPlanarOnlyOnTheGround) {
   expectNeed(scene::sceneNeeds(scene).planar, false, "gravity is not vertical");
 }
 
+TEST(SceneNeeds, GravityAlongThePlaneIsPlanarForLigaments) {
+  scene::Scene scene = sheetScene();
+  scene.environment.gravity = {0, -10, 0};
+  expectNeed(scene::sceneNeeds(scene).planar, false, "gravity is not vertical");
+  scene.hinges.ligament.emplace();
+  EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
+  scene.environment.gravity = {0, -10, -1e-3};
+  expectNeed(scene::sceneNeeds(scene).planar, false, "gravity is not vertical");
+}
+
 TEST(SceneNeeds, TheUserCanOverrideThePlane) {
   scene::Scene scene = sheetScene();
   scene.solver.planar = false;

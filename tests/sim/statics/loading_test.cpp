@@ -221,7 +221,15 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.grips.clear();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene),
-              HasSubstr("`ligaments` works only in the plane, but `planar` is off"));
+              HasSubstr("`ligaments` works only in the plane, but `planar` is off. Remove one"));
+  scene.solver.planar.reset();
+  scene.environment.gravity = {0, 1, -9.81};
+  EXPECT_THAT(refusalOf(scene), HasSubstr("but gravity is not vertical. Remove one of them, or set "
+                                          "`planar` to on"));
+  scene.hinges.areLigaments = false;
+  scene.hinges.neck.reset();
+  scene.hinges.ligament.emplace();
+  EXPECT_THAT(refusalOf(scene), HasSubstr("`ligament_stiffness` works only in the plane"));
   scene = turnedUnit();
   scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
@@ -274,6 +282,8 @@ TEST(Loading, TellsWhereASheetIsFullyExtended) {
     EXPECT_THAT(run.reason, HasSubstr(fmt::format("fully extended at {:.4g} m", extent)));
     EXPECT_NEAR(run.loadCurve->states.back().displacements[2], extent,
                 1e-7 * extent);  // measured 2e-8
+    // The load was not reached.
+    EXPECT_EQ(run.shortfall, run.reason);
   }
 }
 
@@ -310,6 +320,206 @@ TEST(Loading, NamesGripsThatContradictEachOther) {
   again.x = 0.3;
   same.grips.push_back(again);
   EXPECT_EQ(refusalOf(same), "accepted");
+}
+
+// ------------------------------------------------------------------------------------------------
+// The same sheet in other planes. The oracle is the horizontal sheet.
+
+/// A rotation of the sheet, and the axes of space that its grips name.
+struct Turn {
+  Matrix3 matrix;
+  const char* named;
+};
+const Turn kTurns[] = {
+    {Eigen::AngleAxisd(0.7, Vector3::UnitZ()).toRotationMatrix(), "xy"},
+    {Eigen::AngleAxisd(0.7, Vector3::UnitX()).toRotationMatrix(), "xyz"},
+    {Eigen::AngleAxisd(90 * kDegree, Vector3::UnitX()).toRotationMatrix(), "xz"},
+    {Eigen::AngleAxisd(2.1, Vector3(0.3, -1, 0.5).normalized()).toRotationMatrix(), "xyz"}};
+
+/// The scene turned in space. Each grip that moves or pushes names x, y and z, or those of them
+/// that `named` has.
+scene::Scene turnedInSpace(scene::Scene scene, const Matrix3& turn, const std::string& named) {
+  scene.model.target.reset();
+  for (model::Tile& tile : scene.model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+  }
+  for (scene::GripSetting& grip : scene.grips) {
+    if (!grip.x && !grip.y) continue;
+    const Vector3 amounts = turn * Vector3(grip.x.value_or(0), grip.y.value_or(0), 0);
+    std::optional<double>* const names[] = {&grip.x, &grip.y, &grip.z};
+    for (int k = 0; k < 3; ++k) {
+      names[k]->reset();
+      if (named.find("xyz"[k]) != std::string::npos) *names[k] = amounts[k];
+    }
+  }
+  return scene;
+}
+
+/// Squares of which one is held, and a column pushed, or a corner moved.
+scene::Scene heldSquares(bool isForce, double x, double y) {
+  scene::Scene scene = pulledSquares(4, 30 * kDegree, 0);
+  scene::GripSetting held, loaded = scene.grips[2];
+  held.tiles = {0};
+  held.x = held.y = 0;
+  // A corner that moves fixes the rotation of the sheet.
+  if (isForce) held.turn = 0;
+  if (!isForce) loaded.tiles = {15};
+  loaded.isForce = isForce;
+  loaded.x = x;
+  loaded.y = y;
+  scene.grips = {held, loaded};
+  return scene;
+}
+
+/// The figure of a grip in the last state.
+double lastOf(const run::DeploymentResult& run, const std::string& grip,
+              std::vector<double> mechanics::Equilibrium::*figure) {
+  const std::vector<mechanics::GripName>& names = run.loadCurve->grips;
+  const auto found = std::ranges::find(names, grip, &mechanics::GripName::name);
+  EXPECT_NE(found, names.end()) << grip;
+  if (found == names.end()) return NAN;
+  return (run.loadCurve->states.back().*figure)[static_cast<std::size_t>(found - names.begin())];
+}
+
+// A load along x of the sheet, in another plane or turned in its own, has the same stiffness, force
+// and displacement along its direction.
+TEST(Loading, StiffnessIsAlongTheLoadInAnyPlane) {
+  scene::Scene scene = heldSquares(true, 0.5, 0);
+  scene.grips[1].y.reset();
+  const run::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
+  ASSERT_EQ(level.outcome, run::Outcome::Settled) << level.reason;
+  const double expected = level.loadCurve->states.back().stiffness;
+  const double moved = lastOf(level, "grip 2 x", &mechanics::Equilibrium::displacements);
+  EXPECT_EQ(level.loadCurve->grips[level.loadCurve->leading].name, "grip 2 x");
+  for (const auto& [turn, named] : kTurns) {
+    const scene::Scene other = turnedInSpace(scene, turn, named);
+    const run::DeploymentResult run = deploy::deploy(other, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    EXPECT_NEAR(run.loadCurve->states.back().stiffness, expected, 1e-8 * expected);
+    EXPECT_NEAR(run.loadCurve->states.back().energy, level.loadCurve->states.back().energy, 1e-9);
+    const std::string name = run.loadCurve->grips[run.loadCurve->leading].name;
+    EXPECT_EQ(name, turn.col(0) == Vector3::UnitX() ? "grip 2 x" : "grip 2 along");
+    EXPECT_NEAR(lastOf(run, name, &mechanics::Equilibrium::displacements), moved, 1e-9);
+    EXPECT_NEAR(lastOf(run, name, &mechanics::Equilibrium::forces), 0.5, 1e-12);
+  }
+}
+
+TEST(Loading, StiffnessOfAMoveIsAlongItInAnyPlane) {
+  const scene::Scene scene = heldSquares(false, 0.2, 0.1);
+  const run::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
+  ASSERT_EQ(level.outcome, run::Outcome::Settled) << level.reason;
+  const mechanics::Equilibrium& last = level.loadCurve->states.back();
+  const double force = lastOf(level, "grip 2 along", &mechanics::Equilibrium::forces);
+  EXPECT_GT(std::abs(force), 1e-3);
+  for (const auto& [turn, named] : kTurns) {
+    const scene::Scene other = turnedInSpace(scene, turn, named);
+    const run::DeploymentResult run = deploy::deploy(other, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    const mechanics::Equilibrium& found = run.loadCurve->states.back();
+    EXPECT_NEAR(found.stiffness, last.stiffness, 1e-7 * std::abs(last.stiffness));
+    EXPECT_NEAR(lastOf(run, "grip 2 along", &mechanics::Equilibrium::forces), force,
+                1e-8 * std::abs(force));
+    EXPECT_NEAR(lastOf(run, "grip 2 along", &mechanics::Equilibrium::displacements),
+                std::hypot(0.2, 0.1), 1e-12);
+  }
+}
+
+/// Squares of which the first row is held and the last one moved along y.
+scene::Scene raisedSquares(double move) {
+  scene::Scene scene = pulledSquares(4, 30 * kDegree, 0);
+  scene::GripSetting &low = scene.grips[0], &corner = scene.grips[1], &high = scene.grips[2];
+  low = high = {};
+  for (int column = 0; column < 4; ++column) {
+    low.tiles.push_back(4 * column);
+    high.tiles.push_back(4 * column + 3);
+  }
+  low.y = 0;
+  corner.y.reset();
+  corner.x = 0;
+  high.y = move;
+  return scene;
+}
+
+/// A sheet turned about x: what is along y of it is along y and z.
+scene::Scene turnedAboutX(const scene::Scene& scene, double angle) {
+  const Matrix3 turn = Eigen::AngleAxisd(angle, Vector3::UnitX()).toRotationMatrix();
+  scene::Scene other = turnedInSpace(scene, turn, "yz");
+  scene::GripSetting& corner = other.grips[1];
+  corner.y.reset();
+  corner.z.reset();
+  corner.x = 0;
+  return other;
+}
+
+// y and z are one direction in such a plane: the force is along it.
+TEST(Loading, ForcesOfDependentAxesAreInThePlane) {
+  const run::DeploymentResult level = deploy::deploy(raisedSquares(0.1), 0.5, nullptr);
+  ASSERT_EQ(level.outcome, run::Outcome::Settled) << level.reason;
+  for (const double angle : {0.7, -2.5}) {
+    const run::DeploymentResult run =
+        deploy::deploy(turnedAboutX(raisedSquares(0.1), angle), 0.5, nullptr);
+    ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    EXPECT_NEAR(run.loadCurve->states.back().stiffness, level.loadCurve->states.back().stiffness,
+                1e-8 * level.loadCurve->states.back().stiffness);
+    for (const std::string grip : {"grip 1", "grip 3"}) {
+      const double force = lastOf(level, grip + " y", &mechanics::Equilibrium::forces);
+      EXPECT_GT(std::abs(force), 0.1);
+      const double y = lastOf(run, grip + " y", &mechanics::Equilibrium::forces);
+      const double z = lastOf(run, grip + " z", &mechanics::Equilibrium::forces);
+      EXPECT_NEAR(y, std::cos(angle) * force, 1e-8 * std::abs(force));
+      EXPECT_NEAR(z, std::sin(angle) * force, 1e-8 * std::abs(force));
+    }
+  }
+}
+
+TEST(Loading, RefusesDependentAxesThatLeaveThePlane) {
+  scene::Scene scene = turnedAboutX(raisedSquares(0.1), 0.7);
+  *scene.grips[2].z += 0.01;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("this grip moves out of the plane of the sheet"));
+}
+
+// Two columns cannot part, nor slide along each other, if their heights are fixed.
+TEST(Loading, NamesContradictionsInAnyPlane) {
+  scene::Scene apart = pulledSquares(4, 30 * kDegree, 0.4);
+  apart.grips[0].y = apart.grips[2].y = 0;
+  scene::Scene across = pulledSquares(4, 30 * kDegree, 0.4);
+  across.grips[0].tiles.push_back(4);
+  across.grips[0].x.reset();
+  across.grips[0].y = 0;
+  across.grips[1].y.reset();
+  across.grips[1].x = 0;
+  across.grips[2].x.reset();
+  across.grips[2].y = 0.1;
+  EXPECT_THAT(refusalOf(apart), HasSubstr("grips contradict each other"));
+  EXPECT_THAT(refusalOf(turnedAboutX(across, 0.7)), HasSubstr("grips contradict each other"));
+  EXPECT_THAT(refusalOf(across), HasSubstr("grips contradict each other"));
+  for (const auto& [turn, named] : kTurns) {
+    EXPECT_THAT(refusalOf(turnedInSpace(apart, turn, named)),
+                HasSubstr("grips contradict each other"));
+    EXPECT_EQ(refusalOf(turnedInSpace(heldSquares(false, 0.2, 0.1), turn, named)), "accepted");
+  }
+}
+
+// Its grips fix the height of a column and the rotation: a force along y moves nothing.
+TEST(Loading, LockedDirectionsHaveNoStiffness) {
+  scene::Scene scene = pulledSquares(4, 30 * kDegree, 0);
+  scene.grips[0].tiles.push_back(4);
+  scene.grips[0].x.reset();
+  scene.grips[0].y = 0;
+  scene.grips[1].y.reset();
+  scene.grips[1].x = 0;
+  scene.grips[2].x.reset();
+  scene.grips[2].y = 0.1;
+  scene.grips[2].isForce = true;
+  for (const double angle : {0.0, 0.7}) {
+    const run::DeploymentResult run =
+        deploy::deploy(angle == 0 ? scene : turnedAboutX(scene, angle), 0.5, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    for (const mechanics::Equilibrium& state : run.loadCurve->states) {
+      EXPECT_TRUE(std::isnan(state.stiffness)) << state.stiffness;
+    }
+    EXPECT_THAT(mechanics::loadTable(*run.loadCurve), HasSubstr("\n0,0,,0,,"));
+  }
 }
 
 /// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
