@@ -93,29 +93,26 @@ PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<d
   throw InputError("error: the model has no joints that open; plot --against time or progress");
 }
 
-/// Converts lengths and areas from metres, for figures.
-void convertLengths(PlottedRun& run, const LengthUnit& unit) {
-  run.rounding /= unit.metres;
+/// Converts lengths and areas, for figures.
+void convertLengths(PlottedRun& run, const LengthUnit& from, const LengthUnit& to) {
+  const double factor = from.metres / to.metres;
+  run.rounding *= factor;
   for (trajectory::CurveGroup& group : run.groups) {
-    const int power = group.unit == "m" ? 1 : group.unit == "m²" ? 2 : 0;
-    if (power == 0) continue;
-    group.unit = picture::unitSymbol(unit) + (power == 2 ? "²" : "");
+    if (group.lengthPower == 0) continue;
+    group.unit = picture::unitSymbol(to) + (group.lengthPower == 2 ? "²" : "");
     for (trajectory::Curve& curve : group.curves) {
-      for (double& value : curve.values) value /= std::pow(unit.metres, power);
+      for (double& value : curve.values) value *= std::pow(factor, group.lengthPower);
     }
   }
 }
 
-/// The unit of all models, or metres if they have several.
-LengthUnit commonUnit(const std::vector<NamedRun>& runs) {
-  const auto unitOf = [](const NamedRun& run) { return run.reader->subject().model.unit; };
-  const bool isSame = std::ranges::all_of(
-      runs, [&](const NamedRun& run) { return unitOf(run) == unitOf(runs[0]); });
-  return !runs.empty() && isSame ? unitOf(runs[0]) : LengthUnit{};
+const LengthUnit& unitOf(const trajectory::TrajectoryReader& run) {
+  return run.subject().model.unit;
 }
 
+/// Of a run's lengths, in its unit.
 double roundingOf(const trajectory::TrajectoryReader& run) {
-  return kRounding * model::modelSize(run.subject().model);
+  return kRounding * inUnit(model::modelSize(run.subject().model), unitOf(run));
 }
 
 /// "Poisson's ratio" as "poissons_ratio".
@@ -192,7 +189,7 @@ PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
     for (const trajectory::Curve& other : group.curves) {
       if (other.column != column.name) continue;
       curve.name = other.name;
-      run.groups = {{group.name, group.unit, group.isLogarithmic, {curve}}};
+      run.groups = {{group.name, group.unit, group.isLogarithmic, {curve}, group.lengthPower}};
     }
   }
   return run;
@@ -240,7 +237,7 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
         found = true;
         const auto same = std::ranges::find(selected, group.name, &trajectory::CurveGroup::name);
         if (same == selected.end()) {
-          selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}});
+          selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}, group.lengthPower});
         } else if (std::ranges::find(same->curves, curve.column, &trajectory::Curve::column) ==
                    same->curves.end()) {
           same->curves.push_back(curve);
@@ -350,7 +347,7 @@ PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::stri
   PlottedRun plotted{"", selectCurves(curves.groups, {name}, option),
                      abscissaOf(curves, progressOf(run), against)};
   plotted.rounding = roundingOf(run);
-  convertLengths(plotted, run.subject().model.unit);
+  convertLengths(plotted, unitOf(run), unitOf(run));
   return plotted;
 }
 
@@ -372,14 +369,15 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                        abscissaOf(curves, progress, settings.against)});
     plotted.back().rounding = roundingOf(*runs[k].reader);
     if (settings.selected.empty()) eraseEmpty(plotted.back().groups, plotted.back().rounding);
+    convertLengths(plotted.back(), unitOf(*runs[k].reader), unitOf(*runs[0].reader));
     if (k == 0) first = curves.groups;
   }
   for (const FileColumn& column : settings.columns) {
     if (runs.empty()) break;
     plotted.push_back(columnRun(column, settings.against, first));
     plotted.back().rounding = roundingOf(*runs[0].reader);
+    convertLengths(plotted.back(), unitOf(*runs[0].reader), unitOf(*runs[0].reader));
   }
-  for (PlottedRun& run : plotted) convertLengths(run, commonUnit(runs));
   return plotted;
 }
 

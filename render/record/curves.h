@@ -169,7 +169,7 @@ using CurvesObserver = std::function<void(std::size_t run, const trajectory::Run
                                           const std::vector<double>& progress)>;
 
 /// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
-/// models if all have the same unit, else in metres. Reads each trajectory once. Throws
+/// first model. Reads each trajectory once. Throws
 /// InputError if a run lacks the quantity of the axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,

@@ -1026,11 +1026,13 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// The energy that a step has at its end, closing included, is at most that at its start: what
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
-/// Where closing jumps, the state is singular: not all velocities that joints allow are the
-/// beginning of a motion, and what moves the bricks to the closed state becomes their velocity.
+/// Where closing jumps among bricks that may touch, the state is singular: not all velocities that
+/// joints allow are the beginning of a motion, and what moves the bricks to the closed state becomes
+/// their velocity.
 template <int D>
 void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
-  if ((program_.contacts.empty() && !end_.jumped) || !program_.exactJoints) return;
+  const bool mayTouch = contactSource_ && end_.jumped;
+  if ((program_.contacts.empty() && !mayTouch) || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(end_.closing) <= kBend * norm(move)) return;
   const double before = system_.kineticEnergy(start, startSpeed_);

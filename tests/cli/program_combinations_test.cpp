@@ -347,6 +347,7 @@ class Combinations : public testing::Test {
 
   int expectFine(const ProgramEnd& end, bool mayBeInterrupted) {
     ++runs_;
+    message_ = end.err;
     // A signal that comes before the program listens ends it.
     const bool isEarly = mayBeInterrupted && end.exitCode == kEndedBySignal;
     const bool isFine = isEarly || (end.exitCode >= 0 && end.exitCode <= 4);
@@ -383,7 +384,7 @@ class Combinations : public testing::Test {
          k += static_cast<std::size_t>(parts)) {
       if (expectFine(rows[k]) == 2) {
         ++refused_;
-        fmt::print("refused: kirireel {}\n", fmt::join(wordsOf(rows[k]), " "));
+        fmt::print("refused: kirireel {}\n{}", fmt::join(wordsOf(rows[k]), " "), message_);
       }
     }
     // A refused row hides what its other choices do. Reasons for it need three choices. Measured:
@@ -392,6 +393,7 @@ class Combinations : public testing::Test {
     fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused_, faults_);
   }
 
+  std::string message_;  // of the last run
   TemporaryFolder scratch_;
   int runs_ = 0;
   int refused_ = 0;  // rows

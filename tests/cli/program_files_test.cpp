@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/generate/families.h"
+#include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
 #include "tests/cli/run_program.h"
 
@@ -268,6 +269,7 @@ TEST_F(Files, MixedAndShuffledFilesMapBackByIndex) {
     EXPECT_EQ(simulate(name).exitCode, 0);
     const std::vector<model::Tile> end = model::readTileFile(scratch_ / "out/final_vertices.txt");
     ASSERT_EQ(end.size(), mixed.tiles.size());
+    model::alignToStart(mixed, *mixed.target);
     for (std::size_t i = 0; i < end.size(); ++i) {
       ASSERT_EQ(end[i].vertices.size(), mixed.tiles[i].vertices.size());
       for (std::size_t k = 0; k < end[i].vertices.size(); ++k) {

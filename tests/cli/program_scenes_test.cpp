@@ -88,7 +88,7 @@ TEST_F(Scenes, AHandOpensTheFan) {
   // Only the drag moves the corner tile. The pinned one stays.
   const trajectory::Sample& dragged = done.run.samples[120];  // as it lets go
   const trajectory::Sample& start = done.run.samples.front();
-  const Vector3 hand(2.5, 5, 0.01);
+  const Vector3 hand(2.5, -0.17, 0.01);
   EXPECT_LT((dragged.poses[35].position - hand).norm(),
             0.5 * (start.poses[35].position - hand).norm());  // measured 0.47
   EXPECT_EQ(dragged.poses[0].position, start.poses[0].position);
@@ -102,8 +102,9 @@ TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   const Simulated space = simulateScene("nonrigid", "nonrigid.toml");
   EXPECT_EQ(space.summary["outcome"], "settled");
   EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);  // measured 2e-12
-  // Measured 8.7e-6 in the path's states, 3.8e-4 between samples.
-  EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 4e-4);
+  // Measured 1.3e-3 between samples. It was 3.8e-4 with the start turned onto the target: the
+  // perturbation out of the plane has another direction.
+  EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 2e-3);
   double largest = 0;
   for (const trajectory::Sample& sample : space.run.samples)
     largest = std::max(largest, largestTilt(sample));
