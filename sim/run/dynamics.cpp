@@ -50,6 +50,12 @@ std::vector<mechanics::Support> frictionOnGround(const scene::Environment& envir
   return supports;
 }
 
+contacts::FaceContact faceContactOf(const scene::Scene& scene) {
+  const bool isPulled =
+      scene.actuation.drive == scene::Drive::Target && scene.model.target && scene.springs.pull();
+  return isPulled ? contacts::FaceContact::Plane : contacts::FaceContact::Region;
+}
+
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                        const std::vector<model::Brick>& bricks, const Poses& start,
                                        contacts::FaceContact faces) {
@@ -57,6 +63,12 @@ std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::N
     return makeBulletDynamics(scene, bricks, start);
   }
   return std::make_unique<DirectDynamics>(scene, needs, bricks, start, faces);
+}
+
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks,
+                                       const Poses& start) {
+  return makeDynamics(scene, needs, bricks, start, faceContactOf(scene));
 }
 
 // ------------------------------------------------------------------------------------------------

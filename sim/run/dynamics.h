@@ -101,11 +101,17 @@ class Dynamics {
   virtual void transfer(StateTape& tape) = 0;
 };
 
-/// The solver selected in the scene. Faces touch in the region in which they overlap, so that
-/// support ends where a brick ends; searches for a path guide wedged bricks by whole planes.
+/// Whole planes while springs pull to a target: bricks that are wedged reach it only if faces
+/// guide them beyond their borders. Else the regions in which faces overlap.
+contacts::FaceContact faceContactOf(const scene::Scene& scene);
+
+/// The solver selected in the scene.
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                        const std::vector<model::Brick>& bricks, const Poses& start,
-                                       contacts::FaceContact faces = contacts::FaceContact::Region);
+                                       contacts::FaceContact faces);
+/// The same with faceContactOf(scene).
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks, const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
 // `--solver direct`: exact joints.
@@ -118,7 +124,7 @@ class DirectDynamics : public Dynamics {
   /// the call.
   DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
                  const std::vector<model::Brick>& bricks, const Poses& start,
-                 contacts::FaceContact faces = contacts::FaceContact::Region);
+                 contacts::FaceContact faces);
 
   bool assemble(Poses& poses) override;
   void fitVelocities(Motion& motion) override;

@@ -194,8 +194,8 @@ DynamicsMaker dynamicsMaker(const Method& method) {
   return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
                   const Poses& start) -> std::unique_ptr<run::Dynamics> {
     if (method.engine == kDirect) {
-      auto direct =
-          std::make_unique<run::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
+      auto direct = std::make_unique<run::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks,
+                                                          start, run::faceContactOf(scene));
       if (method.tolerance > 0) {
         // The tolerance in tiles, the step below which the order is one, and the longest step.
         direct->setTolerance(
