@@ -166,7 +166,7 @@ TEST(Energies, DoNotGoAtAPinOfATileAtRest) {
   scene.solver.tolerance = 1e-6;
   scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.05}, Pin{{0}}, {}},
                     {{scene::Trigger::Kind::AtTime, 0.1}, Pin{{0}}, {}}};
-  EXPECT_EQ(samplesOf(scene).back().mechanics->energies.impacted, 0);
+  EXPECT_NEAR(samplesOf(scene).back().mechanics->energies.impacted, 0, 1e-12);  // measured 2e-13
 }
 
 TEST(Energies, CountTheWorkOfAGrip) {

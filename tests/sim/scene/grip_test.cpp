@@ -78,7 +78,7 @@ TEST_F(Grips, AreRefusedInOneLine) {
               HasSubstr("points do not rotate. Remove turn, or vertex and edge"));
   EXPECT_THAT(refusal("tile = 1\nedge = [1]\nmove = {x = 1}\n"),
               HasSubstr("give two vertex numbers, [0, 1]"));
-  EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give metres and degrees, {x = 0.1"));
+  EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give lengths and degrees, {x = 0.1"));
   EXPECT_THAT(refusal("tile = 1\nforce = {xx = 1}\n"),
               HasSubstr("unknown key of a grip's force xx, did you mean x?"));
   EXPECT_THAT(refusal("tile = -1\nmove = {x = 1}\n"), HasSubstr("give a tile number"));

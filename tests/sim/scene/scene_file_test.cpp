@@ -172,7 +172,8 @@ TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   EXPECT_THAT(entry("pin = [-1]\n"), HasSubstr(no + "a tile number"));
   EXPECT_THAT(entry("pin = []\n"), HasSubstr(no + "a list of tile numbers"));
   EXPECT_THAT(entry("drag = {tile = 1}\n"), HasSubstr(no + "a table, {tile = 3, path ="));
-  EXPECT_THAT(entry("drag = {tile = 1, path = [[0, 0, nan]]}\n"), HasSubstr(no + "a coordinate"));
+  EXPECT_THAT(entry("drag = {tile = 1, path = [[0, 0, nan]]}\n"),
+              HasSubstr(no + "a number, at most 1e+09"));
   EXPECT_THAT(entry("drag = {tile = 1, path = [[0, 0]]}\n"), HasSubstr(no + "a point [x, y, z]"));
   EXPECT_THAT(entry("progress = 2\nquit = true\n"), HasSubstr(no + "a share from 0 to 1"));
   EXPECT_THAT(entry("forces = true\n"), HasSubstr(no + "\"on\" or \"off\""));
