@@ -275,6 +275,7 @@ std::vector<Conflict> conflicts() {
   add(kHinges, {"ligaments"}, kModel, {"spatial"});
   add(kHinges, {"stiffness", "ligaments"}, kModel, {"jointless"});
   add(kObstacle, {"box", "sphere"}, kPlanar, {"on"});
+  add(kGrips, {"pull"}, kPins, {"two"});  // the gripped tile is pinned
   add(kPath, {"continuation"}, kPins, {"first", "two"});
   add(kPath, {"continuation"}, kSpelling, {"PyKirigami"});
   return all;
