@@ -236,12 +236,7 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
-    // At a singular state, closing may leave no motion that the loads pay for.
-    if (end_.jumped && program_.x.isZero(0)) {
-      standstill_.recordStandstill();
-    } else {
-      standstill_.recordMotion();
-    }
+    standstill_.recordMotion();
     keepMultipliers(step);
     countLosses(step, false);
   }
@@ -1026,21 +1021,17 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// The energy that a step has at its end, closing included, is at most that at its start: what
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
-/// Where closing jumps among bricks that may touch, the state is singular: not all velocities that
-/// joints allow are the beginning of a motion, and what moves the bricks to the closed state becomes
-/// their velocity.
 template <int D>
 void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
-  const bool mayTouch = contactSource_ && end_.jumped;
-  if ((program_.contacts.empty() && !mayTouch) || !program_.exactJoints) return;
+  if (program_.contacts.empty() || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(end_.closing) <= kBend * norm(move)) return;
+  const double cost = system_.workAgainst(loads_, move, end_.closing);
+  if (cost <= 0) return;
   const double before = system_.kineticEnergy(start, startSpeed_);
-  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move) +
-                      system_.workAgainst(loads_, move, end_.closing);
-  if (end_.jumped) program_.x += end_.closing / step;
   const double after = system_.kineticEnergy(start, program_.x);
-  const double excess = after + work - before;
+  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
+  const double excess = after + work + cost - before;
   if (excess <= 0) return;
   program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
   if (excess > after) standStill(start);

@@ -526,13 +526,9 @@ std::vector<Vector6> RunReasons::forcesAtRest() const {
   return forces_.appliedForces(forces_.time(), atRest);
 }
 
-// Whether the ground's friction can hold each tile against all other forces except contacts. For a
-// horizontal force F and a moment T about the vertical, the condition is
-//   (F / F0)^2 + (T / T0)^2 <= 1,
-// with F0 and T0 the limits of friction for each without the other, under an even pressure.
-// (Howe and Cutkosky 1996, "Practical force-motion models for sliding manipulation", Int. J.
-// Robotics Research 15, 557-572.) Empty if it fails, if there is nothing to hold, if the tiles do
-// not lie on the ground, or if the joints alone hold the tiles.
+// Whether the ground's friction can hold each tile against all other forces except contacts. The
+// condition is |F| <= mu m g for the horizontal force F. Empty if it fails, if there is nothing to
+// hold, or if the tiles do not lie on the ground.
 std::string RunReasons::friction() const {
   const scene::Environment& environment = bricks_.scene.environment;
   if (!environment.ground) return "";
@@ -545,23 +541,20 @@ std::string RunReasons::friction() const {
       if (vertex.z() > highest) return "";
     }
   }
-  std::vector<double> mostForce(bricks_.bricks.size(), 0), mostMoment(bricks_.bricks.size(), 0);
+  std::vector<double> mostForce(bricks_.bricks.size(), 0);
   for (const mechanics::Support& support : supports) {
-    const auto i = static_cast<std::size_t>(support.brick);
-    const Vector3 arm = motion_.poses()[i].rotation * support.point;
-    mostForce[i] += support.largestForce;
-    mostMoment[i] += support.largestForce * arm.head<2>().norm();
+    mostForce[static_cast<std::size_t>(support.brick)] += support.largestForce;
   }
   const std::vector<Vector6> forces = forcesAtRest();
   double pull = 0, most = 1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const double force = forces[i].head<2>().norm();
-    if (std::hypot(force / mostForce[i], forces[i][5] / mostMoment[i]) > 1) return "";
+    if (force > mostForce[i]) return "";
     if (pull * mostForce[i] > force * most) continue;
     pull = force;
     most = mostForce[i];
   }
-  if (pull == 0 || isImmobile()) return "";
+  if (pull == 0) return "";
   return fmt::format(
       "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
       "friction holds up to mu m g = {:.3g} N. Lower `ground_friction` or raise `spring_stiffness`",
