@@ -236,7 +236,12 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
-    standstill_.recordMotion();
+    // At a singular state, closing may leave no motion that the loads pay for.
+    if (end_.jumped && program_.x.isZero(0)) {
+      standstill_.recordStandstill();
+    } else {
+      standstill_.recordMotion();
+    }
     keepMultipliers(step);
     countLosses(step, false);
   }
@@ -265,7 +270,8 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSour
   end_.poses.clear();
   loads(start.poses, loads_);
   beginStep(start, step);
-  if (!warm) program_.multipliers.setZero();
+  // Without the contacts of before, the joints' impulses against them would do work.
+  if (!warm && contactSource_) program_.multipliers.setZero();
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
   return solveContactRounds(start.poses, step);
@@ -544,10 +550,11 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
 
 /// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
 /// there is. Impulses that have not converged when the rounds end may do some. Returns the largest
-/// share of the velocities that has the work for it: 1 if they have converged, or if joints give.
+/// share of the velocities that has the work for it: 1 if they have converged, if joints give, and
+/// without contacts, where joints converge in shorter steps.
 template <int D>
 double Stepper<D>::shareWithWork() const {
-  if (!program_.exactJoints) return 1;
+  if (program_.contacts.empty() || !program_.exactJoints) return 1;
   const double cost = program_.x.dot(system_.timesA(program_.x));
   const double means = program_.x.dot(program_.force);
   const double slow = kSlow * settings_.lengthScale;
@@ -558,10 +565,9 @@ double Stepper<D>::shareWithWork() const {
 }
 
 /// If bricks jam, impulses may not converge: then all bricks move slower, which joints and contacts
-/// allow, as they allow rest. Newton's method on the forces between pairs limits their work itself.
+/// allow, as they allow rest.
 template <int D>
 void Stepper<D>::limitWork() {
-  if (program_.contacts.empty() && system_.hasPairBlocks()) return;
   const double share = shareWithWork();
   if (share < 1) program_.x *= share;
 }
@@ -1021,17 +1027,21 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// The energy that a step has at its end, closing included, is at most that at its start: what
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
+/// Where closing jumps among bricks that may touch, the state is singular: not all velocities that
+/// joints allow are the beginning of a motion, and what moves the bricks to the closed state
+/// becomes their velocity.
 template <int D>
 void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
-  if (program_.contacts.empty() || !program_.exactJoints) return;
+  const bool isSingular = contactSource_ && end_.jumped;
+  if ((program_.contacts.empty() && !isSingular) || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(end_.closing) <= kBend * norm(move)) return;
-  const double cost = system_.workAgainst(loads_, move, end_.closing);
-  if (cost <= 0) return;
   const double before = system_.kineticEnergy(start, startSpeed_);
+  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move) +
+                      system_.workAgainst(loads_, move, end_.closing);
+  if (isSingular) program_.x += end_.closing / step;
   const double after = system_.kineticEnergy(start, program_.x);
-  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
-  const double excess = after + work + cost - before;
+  const double excess = after + work - before;
   if (excess <= 0) return;
   program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
   if (excess > after) standStill(start);

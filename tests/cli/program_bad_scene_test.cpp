@@ -63,8 +63,8 @@ TEST_F(BadScene, TargetsOfAnotherShape) {
 
 TEST_F(BadScene, PathsThroughNaN) {
   expectRefused(simulate("[[timeline]]\ndrag = {tile = 0, path = [[0, 0, 1], [nan, 0, 0]]}\n"),
-                "run.toml:2:39: error: this value is not allowed; give a coordinate in metres, at "
-                "most 1e6 in size");
+                "run.toml:2:39: error: this value is not allowed; give a number, at most 1e+09 in "
+                "size");
   expectRefused(simulate("[[timeline]]\nat = nan\nquit = true\n"), "run.toml:2:6: error: ");
 }
 

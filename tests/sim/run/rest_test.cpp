@@ -106,8 +106,8 @@ TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
       leastLost = std::min({leastLost, end.impacted / scale, end.integrated() / scale});
     }
   }
-  EXPECT_LE(largest, 3e-4);     // measured below 1e-4
-  EXPECT_GE(leastLost, -3e-4);  // measured -1.9e-4
+  EXPECT_LE(largest, 1e-4);     // measured 1.3e-5
+  EXPECT_GE(leastLost, -1e-4);  // measured -1.2e-5
 }
 
 /// Three squares in a ring about a triangle that is closed: joints at three corners leave nothing
