@@ -256,7 +256,7 @@ constexpr OptionEffect kExportEffects[] = {
     {"--kerf", hasNecks, kNoNeck, kNeck},
     {"--elements-per-edge", countsElements, "next to --element-size", "Use only one of them"},
     {"--elements-through", hasSolids, "in shells and plane elements",
-     "Remove --shells and --plane-stress"},
+     "Remove --shells or --plane-stress"},
     {"--sets", hasElements, kNoElements, kElements},
     {"--deck-solver", hasDeck, kNoDeck, kDeck},
     {"--youngs", hasDeck, kNoDeck, kDeck},

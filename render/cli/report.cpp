@@ -152,7 +152,7 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
 }
 
 /// Energies of pair forces; empty without such forces.
-std::string describeElasticity(const std::optional<model::Elasticity>& found) {
+std::string describeElasticity(const std::optional<brick::Elasticity>& found) {
   if (!found) return "";
   std::vector<std::string> forces;
   for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
@@ -277,8 +277,10 @@ std::string describeEnd(const scene::Scene& scene, const record::RunSummary& sum
   const double error = summary.accuracy.targetErrorEnd;
   const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
   // For a load path, the reason is the outcome and its stability.
-  if (summary.outcome == Interrupted || (summary.loadCurve && summary.outcome != Diverged))
-    return summary.reason;
+  const bool isWhole = summary.outcome == Interrupted ||
+                       (summary.outcome == OutOfTime && !summary.atTarget) ||
+                       (summary.loadCurve && summary.outcome != Diverged);
+  if (isWhole) return summary.reason;
   if (summary.atTarget == true) {
     return fmt::format("target reached, error {}", lengthText(error, scene.model.unit, 2));
   }

@@ -38,7 +38,9 @@ double inUnit(double metres, const LengthUnit& unit) {
 }
 
 std::string lengthText(double metres, const LengthUnit& unit, int digits) {
-  return fmt::format("{:.{}g} {}", metres / unit.metres, digits, unit.name);
+  // 400 mm instead of 4e+02 mm.
+  const double rounded = std::stod(fmt::format("{:.{}g}", metres / unit.metres, digits));
+  return fmt::format("{:g} {}", rounded, unit.name);
 }
 
 Vector3 inUnit(const Vector3& metres, const LengthUnit& unit) {
