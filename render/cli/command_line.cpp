@@ -30,6 +30,7 @@
 #include "render/cli/scene_options.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/formats/read_settings.h"
 #include "sim/scene/settings.h"
 
 namespace kirireel::cli {
@@ -176,7 +177,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
 
 LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options) {
   LoadedModel loaded{{}, place, options, {}, {}};
-  model::ReadSettings settings;
+  formats::ReadSettings settings;
   CLI::App program(kPurpose, kName);
   program.allow_extras();
   OptionGroup group(program, "Model");

@@ -12,12 +12,12 @@
 #include "render/picture/png.h"
 #include "render/record/summary.h"
 #include "render/report/inspection.h"
+#include "sim/formats/cut_pattern.h"
+#include "sim/formats/drawing.h"
+#include "sim/formats/tile_checks.h"
+#include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
-#include "sim/model/cut_pattern.h"
-#include "sim/model/drawing.h"
 #include "sim/model/isometry.h"
-#include "sim/model/model_checks.h"
-#include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
 
 namespace kirireel::cli {
@@ -90,7 +90,7 @@ model::Model makeModel(const GenerateOrder& order) {
 
 int carryOut(const GenerateOrder& order) {
   const model::Model model = makeModel(order);
-  model::writeModelFolder(model, order.folder);
+  formats::writeModelFolder(model, order.folder);
   fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
              model.joints.size());
   return kExitDone;
@@ -142,7 +142,7 @@ void warnOfLosses(const model::Model& model, const std::filesystem::path& output
 
 int carryOut(const ConvertOrder& order) {
   const model::Model model = readModelAt(order.input, order.target, order.reading);
-  model::writeModel(model, order.output);
+  formats::writeModel(model, order.output);
   warnOfLosses(model, order.output);
   fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
              model.joints.size(), model.target ? ", a target" : "");
@@ -168,13 +168,13 @@ report::Inspection inspectWithProgress(const scene::Scene& scene) {
 model::Model readOrPaintFault(const InspectOrder& order) {
   try {
     return readModelAt(order.model, order.target, order.reading);
-  } catch (const model::CrossedTile& error) {
+  } catch (const formats::CrossedTile& error) {
     if (!order.picture.empty()) {
       picture::writePng(report::crossingPicture(error.tile(), error.place(), kStateSize),
                         order.picture);
     }
     throw;
-  } catch (const model::DrawingFault& fault) {
+  } catch (const formats::DrawingFault& fault) {
     if (!order.picture.empty()) {
       picture::writePng(report::faultPicture(fault, kStateSize), order.picture);
     }
@@ -184,12 +184,12 @@ model::Model readOrPaintFault(const InspectOrder& order) {
 
 /// The lines of a drawing that are not cut. Null with a target, which moves the start away from its
 /// drawing.
-std::optional<std::vector<model::DrawnPath>> ignoredLines(const InspectOrder& order,
-                                                          const model::Model& model) {
+std::optional<std::vector<formats::DrawnPath>> ignoredLines(const InspectOrder& order,
+                                                            const model::Model& model) {
   const std::filesystem::path file = findModel(order.model);
-  if (!model::isDrawing(file) || model.target) return std::nullopt;
+  if (!formats::isDrawing(file) || model.target) return std::nullopt;
   std::vector<std::string> known;  // readOrPaintFault() printed them
-  return model::readDrawnSheet(file, order.reading, known).ignored;
+  return formats::readDrawnSheet(file, order.reading, known).ignored;
 }
 
 }  // namespace
@@ -257,7 +257,7 @@ int carryOut(const ModelsOrder&) {
   for (const auto& [name, place] : models) {
     try {
       std::vector<std::string> ignored;
-      const model::Model model = model::readModel(place, {}, ignored);
+      const model::Model model = formats::readModel(place, {}, ignored);
       fmt::print("{:<{}}  {:>6}  {:>6}  {}\n", name, width, model.tiles.size(), model.joints.size(),
                  model.target ? "yes" : "no");
     } catch (const InputError& error) {

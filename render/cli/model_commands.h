@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "sim/formats/read_settings.h"
 #include "sim/generate/families.h"
 #include "sim/model/model.h"
-#include "sim/model/model_checks.h"
 #include "sim/scene/scene.h"
 #include "sim/study/study.h"
 
@@ -55,7 +55,7 @@ int carryOut(const GenerateOrder& order);
 /// Request to convert a model. The file names determine the formats.
 struct ConvertOrder {
   std::filesystem::path input;   ///< the model, a folder or a file
-  model::ReadSettings reading;   ///< options for reading
+  formats::ReadSettings reading;  ///< options for reading
   std::filesystem::path target;  ///< another model whose start is the target; empty: none
   std::filesystem::path output;  ///< its ending determines the format
 };
@@ -77,7 +77,7 @@ int carryOut(const ConvertOrder& order);
 /// depend on it.
 struct InspectOrder {
   std::filesystem::path model;    ///< a folder or a file
-  model::ReadSettings reading;    ///< options for reading
+  formats::ReadSettings reading;  ///< options for reading
   std::filesystem::path target;   ///< another model whose start is the target; empty: none
   std::filesystem::path picture;  ///< file for a numbered picture; empty: none
   scene::Scene scene;             ///< all settings without the model

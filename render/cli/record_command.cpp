@@ -32,7 +32,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 
 namespace kirireel::cli {
 namespace {
@@ -61,15 +61,15 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model", "model");
   addReadOptions(group, order.reading, true);
-  group.choice<std::optional<model::FaceRule>>(
+  group.choice<std::optional<formats::FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt},
-       {"fold", model::FaceRule::Fold},
-       {"pykirigami", model::FaceRule::PyKirigami}},
+       {"fold", formats::FaceRule::Fold},
+       {"pykirigami", formats::FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
   group
       .flag("--auto-detect-connections", "the same as --faces pykirigami",
-            [&order] { order.faces = model::FaceRule::PyKirigami; })
+            [&order] { order.faces = formats::FaceRule::PyKirigami; })
       .excludeFromFingerprint();  // --faces reports it
   group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
@@ -110,7 +110,7 @@ scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warni
   scene::scaleLengths(scene, scene.model.unit.metres);
   scene::completeScene(order.request.parts, scene, warnings);
   scene::fillFromModel(scene);
-  if (order.faces) model::chooseJointFaces(scene.model, *order.faces);
+  if (order.faces) formats::chooseJointFaces(scene.model, *order.faces);
   // After faces, since the triangles of a split tile inherit its joints.
   if (order.splitTiles) scene::splitTiles(*order.splitTiles, scene);
   // The ground is below the bricks at their start, for any thickness.
@@ -272,7 +272,7 @@ OrderInputs readInputs(const RecordOrder& order) {
     scene::Scene scene = order.scene;
     scene.model = order.madeModel
                       ? *order.madeModel
-                      : model::readModel(findModel(order.model), {}, ignored, order.reading);
+                      : formats::readModel(findModel(order.model), {}, ignored, order.reading);
     scene::SceneParts parts;
     // Pins and links read no files; targets do.
     parts.targets = order.request.parts.targets;

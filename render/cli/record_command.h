@@ -9,7 +9,8 @@
 #include "render/cli/scene_options.h"
 #include "render/record/record.h"
 #include "sim/base/files.h"
-#include "sim/model/model_checks.h"
+#include "sim/formats/joint_faces.h"
+#include "sim/formats/read_settings.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_file.h"
 
@@ -60,9 +61,9 @@ std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs
 /// parser.
 struct RecordOrder {
   std::filesystem::path model;            ///< a folder or a file
-  model::ReadSettings reading;            ///< of `model`
+  formats::ReadSettings reading;          ///< of `model`
   std::optional<model::Model> madeModel;  ///< replaces reading `model`
-  std::optional<model::FaceRule>
+  std::optional<formats::FaceRule>
       faces;  ///< rule for the faces of the model's joints; absent: as in the model
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend; empty: all; absent: none
   /// The word that selects PyKirigami's constants as defaults; empty: none.

@@ -13,7 +13,7 @@
 
 #include "render/cli/option_group.h"
 #include "sim/base/error.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "sim/trajectory/sheet.h"
 
 namespace kirireel::cli {
@@ -272,7 +272,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
 namespace {
 
 /// Options of SVG and DXF files.
-void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
+void addDrawingOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks) {
   const auto names = [&group](const char* option, const char* defaultText, const char* help,
                               std::vector<std::string>& chosen) {
     group
@@ -313,7 +313,7 @@ scene::Choices<std::optional<LengthUnit>> unitChoices() {
   return units;
 }
 
-void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
+void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks) {
   group
       .value(
           "--joints-file", "FILE", "the model's own",
@@ -354,18 +354,19 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
 }
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                         const model::ReadSettings& settings, std::vector<std::string>& warnings) {
+                         const formats::ReadSettings& settings,
+                         std::vector<std::string>& warnings) {
   requireNoMisspelling(place);
   std::optional<std::filesystem::path> named;
   // The target's model is searched in the same places.
   if (!target.empty()) named = findModel(target);
-  model::Model model = model::readModel(findModel(place), named, warnings, settings);
+  model::Model model = formats::readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);
   return model;
 }
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                         const model::ReadSettings& settings) {
+                         const formats::ReadSettings& settings) {
   std::vector<std::string> warnings;
   model::Model model = readModelAt(place, target, settings, warnings);
   printWarnings(warnings);
@@ -383,7 +384,7 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
       "{}: warning: bricks are {} thick, but a tile's mean edge is {}; lengths are in "
       "{}; try --thickness {:.2g}",
       scene.model.name, lengthText(thickness, unit), lengthText(edge, unit),
-      unit.name == "m" ? "metres" : unit.name, model::kDefaultThickness * edge / unit.metres));
+      unit.name == "m" ? "metres" : unit.name, brick::kDefaultThickness * edge / unit.metres));
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {

@@ -9,8 +9,8 @@
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
 #include "render/record/record.h"
+#include "sim/formats/read_settings.h"
 #include "sim/model/model.h"
-#include "sim/model/model_checks.h"
 #include "sim/scene/scene_file.h"
 #include "sim/scene/scene_parts.h"
 
@@ -85,7 +85,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 /// Adds --joints-file, --frame, --fold, --join-coplanar, --strict and options of drawings. They
 /// only affect reading. In a command with its own necks, --neck-width belongs to these. The
 /// settings must outlive the parsing.
-void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks = false);
+void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks = false);
 
 /// The words of --unit and --export-unit: "auto" (absent), then the names of all units.
 scene::Choices<std::optional<LengthUnit>> unitChoices();
@@ -101,11 +101,11 @@ std::map<std::string, std::filesystem::path> knownModels();
 /// Reads the model that findModel() finds. Adds warnings, including tiles that overlap at the
 /// start. Throws InputError.
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                         const model::ReadSettings& settings, std::vector<std::string>& warnings);
+                         const formats::ReadSettings& settings, std::vector<std::string>& warnings);
 
 /// The same; warnings go to standard error.
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                         const model::ReadSettings& settings);
+                         const formats::ReadSettings& settings);
 
 /// Adds a warning if bricks are thicker than a tenth of the tiles' mean edge or thinner than a
 /// thousandth: usually their unit of length differs from that of the tiles.

@@ -43,9 +43,9 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/geometry.h"
-#include "sim/model/model_formats.h"
-#include "sim/model/read_model.h"
-#include "sim/model/text_table.h"
+#include "sim/formats/model_formats.h"
+#include "sim/formats/read_model.h"
+#include "sim/formats/text_table.h"
 
 namespace kirireel::exports {
 namespace {
@@ -226,7 +226,7 @@ class Exporter {
 
   /// The tiles with their vertices in the order of the model's own file.
   std::vector<model::Tile> sheetOf(const trajectory::Sample& sample) const {
-    return model::inFileOrder(model::bottomTiles(subject_.bricks, sample.poses),
+    return model::inFileOrder(brick::bottomTiles(subject_.bricks, sample.poses),
                               subject_.model.fileOrder);
   }
 
@@ -249,10 +249,10 @@ class Exporter {
   }
 
   /// The start and the chosen states, by time.
-  std::vector<model::FoldState> foldStates() const {
+  std::vector<formats::FoldState> foldStates() const {
     const auto title = [](double time) { return fmt::format("t = {} s", time); };
     const double begin = trajectory_.times().front();
-    std::vector<model::FoldState> states = {{title(begin), {}}};
+    std::vector<formats::FoldState> states = {{title(begin), {}}};
     for (const ChosenState& state : states_) {
       const trajectory::Sample sample = trajectory_.sample(state.sample);
       if (sample.time > begin) states.push_back({title(sample.time), sheetOf(sample)});
@@ -270,7 +270,7 @@ class Exporter {
       fea::ElementMesh mesh =
           fea::makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs without patches are left out; exportWarnings() has reported them.
-      fea::addHingeSprings(mesh, model::hingeSpringsOf(subject_.pairForces), sample.poses);
+      fea::addHingeSprings(mesh, brick::hingeSpringsOf(subject_.pairForces), sample.poses);
       const fea::DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its node sets belong to the end of the mesh deck.
@@ -503,12 +503,12 @@ using Path = std::filesystem::path;
 
 void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
   const std::vector<model::Tile> tiles = model::inUnit(exporter.sheetOf(sample), exporter.unit());
-  writeTextFile(file, model::unitLine(exporter.unit()) + writers::planarObjText(tiles));
+  writeTextFile(file, formats::unitLine(exporter.unit()) + writers::planarObjText(tiles));
 }
 
 void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  model::writeTiles(model::inUnit(exporter.sheetOf(sample), exporter.unit()), file,
-                    exporter.unit());
+  formats::writeTiles(model::inUnit(exporter.sheetOf(sample), exporter.unit()), file,
+                      exporter.unit());
 }
 
 void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
@@ -527,9 +527,9 @@ void writeGlb(Exporter& exporter, const Path& file) {
 void writeFold(Exporter& exporter, const Path& file) {
   // The states' tiles and the model in one unit, which the text states.
   const LengthUnit unit = exporter.unit();
-  std::vector<model::FoldState> states = exporter.foldStates();
-  for (model::FoldState& state : states) state.tiles = model::inUnit(state.tiles, unit);
-  writeTextFile(file, model::foldText(model::inUnit(exporter.subject().model, unit), states));
+  std::vector<formats::FoldState> states = exporter.foldStates();
+  for (formats::FoldState& state : states) state.tiles = model::inUnit(state.tiles, unit);
+  writeTextFile(file, formats::foldText(model::inUnit(exporter.subject().model, unit), states));
 }
 
 void writeSvg(Exporter& exporter, const Path& file) {
@@ -566,7 +566,7 @@ const std::vector<ExportFormat>& exportFormats() {
 }
 
 /// The least distance between two parallel lines that enclose a tile.
-double widthOf(const model::Brick& brick) {
+double widthOf(const brick::Brick& brick) {
   const std::vector<Vector3>& corners = brick.bottom;
   double width = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -611,7 +611,7 @@ void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Su
   double most = 0, slenderness = 0, perEdge = 0;
   std::size_t thin = 0;
   for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
-    const model::Brick& brick = subject.bricks[t];
+    const brick::Brick& brick = subject.bricks[t];
     const double width = widthOf(brick);
     const double count = rule.size > 0 ? std::max(1.0, std::ceil(width / rule.size)) : defaultCount;
     const double error = lockingOf(width / brick.thickness, count, rule);
@@ -641,7 +641,7 @@ void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::S
   double sharpest = kSharp;
   std::optional<std::size_t> sharp;
   for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
-    const model::Brick& brick = subject.bricks[t];
+    const brick::Brick& brick = subject.bricks[t];
     const std::vector<Vector3>& corners = brick.bottom;
     const std::size_t count = corners.size();
     for (std::size_t k = 0; k < count; ++k) {
@@ -680,7 +680,7 @@ std::vector<std::string> exportFormatNames() {
   return names;
 }
 
-void requireExportable(const model::Model& model, const model::BrickRule& rule,
+void requireExportable(const model::Model& model, const brick::BrickRule& rule,
                        const ExportSettings& settings) {
   requireDifferent(settings.formats);
   fea::requireValidRule(settings.elements);
@@ -701,8 +701,8 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
   // The gaps at shared corners are known only from the run's states.
   if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
   // Making the mesh is the check: it throws now instead of after a run of hours.
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, rule);
-  fea::makeElementMesh(bricks, model.joints, model::startPoses(model.tiles, bricks), elements);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, rule);
+  fea::makeElementMesh(bricks, model.joints, brick::startPoses(model.tiles, bricks), elements);
 }
 
 bool isExported(const std::string& name, const ExportSettings& settings) {
@@ -734,7 +734,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
   if (!exportsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
-  const std::vector<model::Brick>& bricks = trajectory.subject().bricks;
+  const std::vector<brick::Brick>& bricks = trajectory.subject().bricks;
   // Large sheets get fewer elements than the default; the user must know this.
   if (fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
@@ -745,8 +745,8 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   appendThinnessWarning(lines, trajectory.subject(), settings);
   appendSharpnessWarning(lines, trajectory.subject());
   if (!hasFormat(settings, kDeck)) return lines;
-  const std::vector<model::HingeSpring>& springs =
-      model::hingeSpringsOf(trajectory.subject().pairForces);
+  const std::vector<brick::HingeSpring>& springs =
+      brick::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
   // Only patches have rotations for springs.
   if (hasSprings && settings.elements.joints != fea::JointStyle::Patch) {
@@ -754,7 +754,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
         "warning: these decks lack the run's springs at hinges, which need rigid patches; choose "
         "--joints patch");
   }
-  if (!model::ligamentsOf(trajectory.subject().pairForces).empty()) {
+  if (!brick::ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
         "warning: these decks join tiles exactly, but the run's ligaments stretch and shear; "
         "--joints neck gives the start with its necks");

@@ -36,7 +36,7 @@ ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit);
 /// formats, and for impossible cut patterns, elements, joint patches and necks, and for drives of
 /// tiles that do not exist. Makes the elements of the start once, which is the cost of this early
 /// check.
-void requireExportable(const model::Model& model, const model::BrickRule& rule,
+void requireExportable(const model::Model& model, const brick::BrickRule& rule,
                        const ExportSettings& settings);
 
 /// Whether an export of some run may write a file with this name. Names of states with any sample

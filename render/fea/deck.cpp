@@ -35,7 +35,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
-#include "sim/model/stiffness.h"
+#include "sim/brick/stiffness.h"
 
 namespace kirireel::fea {
 namespace {
@@ -82,13 +82,13 @@ std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*len
 
 /// Appends the equivalent hinge stiffness of the necks, a check of the order of
 /// magnitude: E modulus, t thickness, w width and L length of the necks, see
-/// sim/model/stiffness.h.
+/// sim/brick/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                          double thickness) {
   std::vector<double> found;
   double length = 0;
   for (const auto& [corners, shape] : mesh.neckShapes) {
-    found.push_back(model::neckStiffness(settings.material.youngs, thickness, shape.width,
+    found.push_back(brick::neckStiffness(settings.material.youngs, thickness, shape.width,
                                          shape.length, corners));
     length = std::max(length, shape.length);
   }
@@ -606,14 +606,14 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 
 }  // namespace
 
-int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
+int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> springs,
                     const Poses& poses) {
   // A sine: the deck's springs turn only about z. A hinge is upright within a micrometre per metre.
   constexpr double kUpright = 1e-6;
-  const std::vector<double> moments = model::hingeMoments(springs, poses);
+  const std::vector<double> moments = brick::hingeMoments(springs, poses);
   int left = 0;
   for (std::size_t k = 0; k < springs.size(); ++k) {
-    const model::HingeSpring& spring = springs[k];
+    const brick::HingeSpring& spring = springs[k];
     if (spring.stiffness == 0) continue;
     const Vector3 axis = poses[spring.hinge.brickA].rotation * spring.hinge.axis;
     std::vector<PatchSpring> places;

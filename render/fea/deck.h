@@ -14,7 +14,7 @@
 #include "render/fea/element_mesh.h"
 #include "sim/base/files.h"
 #include "sim/base/geometry.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/hinge.h"
 
 namespace kirireel::fea {
 
@@ -207,7 +207,7 @@ class PatchDeck {
 /// the number of other springs, which are left out, as are all in a mesh without patches. `springs`
 /// identify bricks by the tiles' numbers in the mesh. `poses` are those of the mesh. Angles in
 /// radians, stiffness in N m/rad. Springs with stiffness 0 count as absent.
-int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
+int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> springs,
                     const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------

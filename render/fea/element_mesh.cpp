@@ -54,7 +54,7 @@ constexpr std::size_t kDefaultElementsInAll = 60'000;
 constexpr double kMostAspect = 500;
 
 /// The lengths of a tile's edges, metres.
-std::vector<double> edgeLengths(const model::Brick& brick) {
+std::vector<double> edgeLengths(const brick::Brick& brick) {
   std::vector<double> lengths;
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     lengths.push_back((brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm());
@@ -64,9 +64,9 @@ std::vector<double> edgeLengths(const model::Brick& brick) {
 
 /// A quarter of the least distance between two corners of a tile, which keeps patches apart. At
 /// half this distance patches would touch.
-double defaultPatchRadius(const std::vector<model::Brick>& bricks) {
+double defaultPatchRadius(const std::vector<brick::Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
-  for (const model::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
+  for (const brick::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
   return 0.25 * least;
 }
 
@@ -110,7 +110,7 @@ struct Division {
 /// Concave tiles use their triangulation, four-sided tiles a grid, all others a fan. Opposite
 /// edges of a grid have the count of the longer edge. A fan has one even count, by the longest
 /// edge.
-Division divisionOf(const model::Brick& brick, const ElementRule& rule, int defaultCount) {
+Division divisionOf(const brick::Brick& brick, const ElementRule& rule, int defaultCount) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
   const int half = (elementsAlong(std::ranges::max(lengths), rule, defaultCount) + 1) / 2;
@@ -123,10 +123,10 @@ Division divisionOf(const model::Brick& brick, const ElementRule& rule, int defa
   return {sides, half, 0};
 }
 
-std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const ElementRule& rule,
+std::vector<Division> divisionsOf(const std::vector<brick::Brick>& bricks, const ElementRule& rule,
                                   int defaultCount) {
   std::vector<Division> divisions;
-  for (const model::Brick& brick : bricks)
+  for (const brick::Brick& brick : bricks)
     divisions.push_back(divisionOf(brick, rule, defaultCount));
   return divisions;
 }
@@ -185,7 +185,7 @@ Footprint footprintOf(const Division& division, const ElementRule& rule) {
 
 /// The points of a brick's footprint at each level, in world axes. A single level lies at this
 /// fraction of the thickness.
-std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose& pose,
+std::vector<std::vector<Vector3>> levelsOf(const brick::Brick& brick, const Pose& pose,
                                            const Footprint& footprint, int count, double single) {
   std::vector<Vector3> bases = brick.bottom;
   // The origin of brick axes is the centre of mass, the bottom is half a thickness below it.
@@ -202,7 +202,7 @@ std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose
 }
 
 /// `level` is the fraction of the thickness at which shells lie; not used for solids.
-void appendBrick(ElementMesh& mesh, const model::Brick& brick, const Pose& pose,
+void appendBrick(ElementMesh& mesh, const brick::Brick& brick, const Pose& pose,
                  const Footprint& footprint, double level) {
   const int count = PrismLayers::levelCount(mesh.rule);
   PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, count, level));
@@ -258,7 +258,7 @@ void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
   }
 }
 
-void checkElements(const ElementMesh& mesh, const std::vector<model::Brick>& bricks) {
+void checkElements(const ElementMesh& mesh, const std::vector<brick::Brick>& bricks) {
   for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
     const TileElements& tile = mesh.tiles[t];
     const int number = static_cast<int>(t) + mesh.rule.countsFrom;
@@ -296,7 +296,7 @@ std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Join
 }
 
 /// Divides each brick separately; the rule's patch radius is set.
-void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<model::Joint>& joints,
+void divideBricks(const std::vector<brick::Brick>& bricks, const std::vector<model::Joint>& joints,
                   const Poses& poses, ElementMesh& mesh) {
   std::vector<double> levels(bricks.size(), 0.5);
   if (mesh.rule.family == ElementFamily::Shell) {
@@ -355,9 +355,9 @@ void requireBuildable(const ElementRule& rule) {
 
 /// The least number of elements per edge whose nodes fill every patch. A message suggests it if a
 /// mesh is too coarse.
-int leastPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+int leastPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
   int least = 1;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     least = std::max(least, perEdgeForPatch(std::ranges::max(edgeLengths(brick)), rule));
   }
   return least;
@@ -400,7 +400,7 @@ void requireValidRule(const ElementRule& rule) {
   }
 }
 
-int defaultPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+int defaultPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
   int defaultCount = kDefaultPerEdge;
   // The count falls with the square of `defaultCount`, so a few rounds are sufficient.
   while (defaultCount > kLeastDefaultPerEdge &&
@@ -410,11 +410,11 @@ int defaultPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& r
   return defaultCount;
 }
 
-bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+bool isCoarsened(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
   return rule.perEdge == 0 && rule.size == 0 && defaultPerEdge(bricks, rule) < kDefaultPerEdge;
 }
 
-ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
+ElementMesh makeElementMesh(const std::vector<brick::Brick>& bricks,
                             const std::vector<model::Joint>& joints, const Poses& poses,
                             const ElementRule& rule) {
   requireValidRule(rule);

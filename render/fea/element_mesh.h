@@ -8,9 +8,9 @@
 #include "render/fea/periodic.h"
 #include "render/writers/flat_sheet.h"
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/stiffness.h"
 #include "sim/model/model.h"
-#include "sim/model/stiffness.h"
 
 namespace kirireel::fea {
 
@@ -121,7 +121,7 @@ struct JoinedTiles {
 
 /// The neck at a joint of JointStyle::Neck.
 struct MeshNeck {
-  std::array<model::NeckCorner, 2> corners;  ///< of both tiles
+  std::array<brick::NeckCorner, 2> corners;  ///< of both tiles
   writers::NeckShape shape;                  ///< result of writers::shapeAt()
 };
 
@@ -161,11 +161,11 @@ inline constexpr int kDefaultPerEdge = 8;
 /// Default number of elements along edges: 8, or as many as keep the sheet below 60,000 elements,
 /// but >= 2. The rule's other fields (through, joints, patchRadius) are used. It divides no brick
 /// and makes up to seven passes over them.
-int defaultPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule);
+int defaultPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule);
 
 /// Whether the default number of elements along edges is below 8. Messages report this to the
 /// user.
-bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule);
+bool isCoarsened(const std::vector<brick::Brick>& bricks, const ElementRule& rule);
 
 /// Divides all bricks at the given poses. Four-sided tiles become grids. Triangles and other
 /// polygons (as fans around the centroid) become three grids per triangle. All elements are built
@@ -184,7 +184,7 @@ bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rul
 /// different faces. Node numbers follow the tiles in the model's order. The same bricks give the
 /// same mesh on every machine. Memory is 80 bytes per element and 24 per node, plus the tiles'
 /// lists of nodes.
-ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
+ElementMesh makeElementMesh(const std::vector<brick::Brick>& bricks,
                             const std::vector<model::Joint>& joints, const Poses& poses,
                             const ElementRule& rule);
 

@@ -371,9 +371,9 @@ namespace {
 
 std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
                               const writers::NeckShape& shape) {
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = thickness});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {.thickness = thickness});
   const auto at = [&](const model::Corner& corner) {
-    return model::neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
+    return brick::neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
   };
   std::vector<MeshNeck> necks;
   for (const model::Joint& joint : model.joints) {

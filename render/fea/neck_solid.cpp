@@ -275,7 +275,7 @@ std::string neckSheetStep(const model::Model& model, const writers::NeckShape& n
   return stepByGmsh(geometry.text());
 }
 
-std::string brickStep(const std::vector<model::Brick>& bricks, const Poses& poses) {
+std::string brickStep(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   StepGeometry geometry;
   for (std::size_t t = 0; t < bricks.size(); ++t) {
     std::vector<Vector3> wire;

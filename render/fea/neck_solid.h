@@ -7,7 +7,7 @@
 #include "render/writers/flat_sheet.h"
 #include "sim/base/geometry.h"
 #include "sim/base/length_unit.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/model.h"
 
 namespace kirireel::fea {
@@ -25,6 +25,6 @@ std::string neckSheetStep(const model::Model& model, const writers::NeckShape& n
 
 /// Bricks at these poses as a STEP file with one solid each, in millimetres. Throws like
 /// stepByGmsh.
-std::string brickStep(const std::vector<model::Brick>& bricks, const Poses& poses);
+std::string brickStep(const std::vector<brick::Brick>& bricks, const Poses& poses);
 
 }  // namespace kirireel::fea

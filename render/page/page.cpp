@@ -299,12 +299,12 @@ Json polygonsJson(const std::vector<model::Tile>& tiles) {
 
 /// The bricks' bottoms in their own axes, and the offsets to their tops. A brick is a prism: its
 /// top is its bottom moved by one vector. One vector per brick is sufficient.
-Json bricksJson(const std::vector<model::Brick>& bricks) {
+Json bricksJson(const std::vector<brick::Brick>& bricks) {
   std::vector<model::Tile> bottoms;
   std::vector<float> rises;
   Json triangles = Json::object();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const model::Brick& brick = bricks[i];
+    const brick::Brick& brick = bricks[i];
     bottoms.push_back({brick.bottom});
     appendPoint(rises, brick.top[0] - brick.bottom[0]);
     // The page itself divides convex polygons into fans.
@@ -319,10 +319,10 @@ Json bricksJson(const std::vector<model::Brick>& bricks) {
 
 /// The positions of dots on joints: a brick, and a point in its axes. Uses the first brick of each
 /// pivot.
-Json joinsJson(const std::vector<model::Pivot>& pivots) {
+Json joinsJson(const std::vector<brick::Pivot>& pivots) {
   std::vector<std::int32_t> bricks;
   std::vector<float> points;
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     bricks.push_back(pivot.brickA);
     appendPoint(points, pivot.pointA);
   }
@@ -331,9 +331,9 @@ Json joinsJson(const std::vector<model::Pivot>& pivots) {
 }
 
 /// Metres from the brick's centre of mass, the origin of its axes.
-double largestRadius(const std::vector<model::Brick>& bricks) {
+double largestRadius(const std::vector<brick::Brick>& bricks) {
   double radius = 0;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     for (const auto* face : {&brick.bottom, &brick.top}) {
       for (const Vector3& corner : *face) radius = std::max(radius, corner.norm());
     }
@@ -614,7 +614,7 @@ Facts factsOf(const trajectory::TrajectoryReader& run) {
       {"Size, start", sizeText(model.tiles, model.unit)}};
   const trajectory::Sample last = run.sample(run.times().size() - 1);
   facts.emplace_back("Size, end",
-                     sizeText(model::bottomTiles(subject.bricks, last.poses), model.unit));
+                     sizeText(brick::bottomTiles(subject.bricks, last.poses), model.unit));
   facts.emplace_back("Simulated time", fmt::format("{:.4g} s", run.times().back()));
   if (!run.end().events.empty()) facts.emplace_back("End", run.end().events.back().text);
   const Json findings = findingsOf(run);

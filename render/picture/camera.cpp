@@ -234,7 +234,7 @@ double heightAtCentre(const Camera& camera) {
   return 2 * std::tan(0.5 * camera.fieldOfView) * (camera.eye - camera.centre).norm();
 }
 
-std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Poses& poses,
+std::optional<int> brickAround(const std::vector<brick::Brick>& bricks, const Poses& poses,
                                const Vector3& point) {
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     const Vector3 inside = poses[k].rotation.conjugate() * (point - poses[k].position);
@@ -243,15 +243,15 @@ std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Po
       return normal.dot(inside - face[0]) < 0;
     };
     // A concave brick contains a point if one of its convex pieces does.
-    for (const model::BrickPiece& piece : model::convexPieces(bricks[k])) {
-      const auto faces = model::brickFaces(piece.shape);
+    for (const brick::BrickPiece& piece : brick::convexPieces(bricks[k])) {
+      const auto faces = brick::brickFaces(piece.shape);
       if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
     }
   }
   return std::nullopt;
 }
 
-std::vector<Vector3> brickCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
+std::vector<Vector3> brickCorners(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
     for (const Vector3& point : bricks[brick].bottom) corners.push_back(poses[brick].apply(point));

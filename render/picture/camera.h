@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::picture {
 
@@ -92,12 +92,12 @@ double distanceAlongView(const Camera& camera, const Vector3& point);
 double heightAtCentre(const Camera& camera);
 
 /// The brick that contains the point (world axes), if any. Checks all bricks.
-std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Poses& poses,
+std::optional<int> brickAround(const std::vector<brick::Brick>& bricks, const Poses& poses,
                                const Vector3& point);
 
 /// All corners of all bricks at the given poses, world axes: the points for fitCamera (corners at
 /// the start and at the target together).
-std::vector<Vector3> brickCorners(const std::vector<model::Brick>& bricks, const Poses& poses);
+std::vector<Vector3> brickCorners(const std::vector<brick::Brick>& bricks, const Poses& poses);
 
 /// The 4 x 4 matrix from world axes to clip coordinates, for pictures of this aspect (width /
 /// height). For column vectors: clip = matrix * (x, y, z, 1).

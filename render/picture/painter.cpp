@@ -401,7 +401,7 @@ struct PaintedBricks {
   Style style;
   bool opaque;  ///< whether all pixels have alpha 255
 
-  PaintedBricks(const std::vector<model::Brick>& bricks, const Style& picturesStyle)
+  PaintedBricks(const std::vector<brick::Brick>& bricks, const Style& picturesStyle)
       : sketcher(bricks, picturesStyle),
         style(picturesStyle),
         opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {}
@@ -427,7 +427,7 @@ struct Painter::Parts {
   std::array<int, 5> layerEnds{};
   std::vector<std::uint8_t> strip;  ///< samples before averaging
 
-  Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks, const Style& style,
+  Parts(FrameSize frameSize, const std::vector<brick::Brick>& bricks, const Style& style,
         Smoothness smoothness);
 
   void collectTriangles(const PictureItems& items, const Camera& camera);
@@ -439,7 +439,7 @@ struct Painter::Parts {
   void readStrip(const PixelBox& part, const PixelBox& box, Frame& frame);
 };
 
-Painter::Parts::Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks,
+Painter::Parts::Parts(FrameSize frameSize, const std::vector<brick::Brick>& bricks,
                       const Style& style, Smoothness smoothness)
     : size(requireValidSize(frameSize)),
       samplesDown(smoothness == Smoothness::Still ? kMostSamplesDown : 2),
@@ -583,7 +583,7 @@ void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame&
   }
 }
 
-Painter::Painter(FrameSize size, const std::vector<model::Brick>& bricks, const Style& style,
+Painter::Painter(FrameSize size, const std::vector<brick::Brick>& bricks, const Style& style,
                  Smoothness smoothness)
     : parts_(std::make_unique<Parts>(size, bricks, style, smoothness)) {}
 
@@ -591,7 +591,7 @@ Painter::~Painter() {
   parts_->context.makeCurrent();
 }
 
-void Painter::show(const std::vector<model::Brick>& bricks, const Style& style) {
+void Painter::show(const std::vector<brick::Brick>& bricks, const Style& style) {
   parts_->subject = PaintedBricks(bricks, style);
 }
 

@@ -9,7 +9,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/picture_geometry.h"
 #include "render/picture/style.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::picture {
 
@@ -30,7 +30,7 @@ class Painter {
   /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
   /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), for pictures
   /// of any size.
-  Painter(FrameSize size, const std::vector<model::Brick>& bricks, const Style& style,
+  Painter(FrameSize size, const std::vector<brick::Brick>& bricks, const Style& style,
           Smoothness smoothness = Smoothness::Still);
   ~Painter();
   Painter(const Painter&) = delete;
@@ -38,7 +38,7 @@ class Painter {
 
   /// Draws these bricks in this style from now on, in pictures of the same size. A graphics context
   /// takes longer to make than many small pictures to paint. What was painted before is not kept.
-  void show(const std::vector<model::Brick>& bricks, const Style& style);
+  void show(const std::vector<brick::Brick>& bricks, const Style& style);
 
   /// What the items shows. storage: a frame that is needed no more, whose memory the picture gets.
   /// Throws OutputError. One entry of `poses` for each brick. Throws Interrupted when the user ends

@@ -266,11 +266,11 @@ GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corn
   return face;
 }
 
-GeometryBuilder::GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style)
+GeometryBuilder::GeometryBuilder(const std::vector<brick::Brick>& bricks, const Style& style)
     : style_(style) {
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     std::vector<Face>& faces = faces_.emplace_back();
-    for (const std::vector<Vector3>& corners : model::brickFaces(brick))
+    for (const std::vector<Vector3>& corners : brick::brickFaces(brick))
       faces.push_back(makeFace(corners));
   }
 }

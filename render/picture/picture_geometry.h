@@ -11,7 +11,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/style.h"
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::picture {
 
@@ -89,7 +89,7 @@ struct PictureItems {
   std::vector<std::vector<Vector3>> trails;
   std::vector<model::Tile>
       scenery;  ///< polygons that are not bricks, seen from both sides, world axes
-  /// Faces of pale bricks without shadow, as from model::brickFaces(), world axes.
+  /// Faces of pale bricks without shadow, as from brick::brickFaces(), world axes.
   std::vector<std::vector<std::vector<Vector3>>> ghosts;
   DepthCue depthCue;
 };
@@ -131,7 +131,7 @@ struct PictureGeometry {
 class GeometryBuilder {
  public:
   /// Copies the required data of the bricks.
-  GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style);
+  GeometryBuilder(const std::vector<brick::Brick>& bricks, const Style& style);
 
   /// Replaces the geometry by what this camera sees. Faces that face away are left out. The cost is
   /// one pass over all faces; with occlusion each face checks its neighbours. Throws

@@ -137,12 +137,12 @@ CameraChoice cameraFor(const Look& look, const PictureContent& content) {
 }
 
 /// The bricks of the target with the thicknesses of the content's bricks.
-std::vector<model::Brick> targetBricks(const PictureContent& content) {
-  std::vector<model::Brick> bricks;
+std::vector<brick::Brick> targetBricks(const PictureContent& content) {
+  std::vector<brick::Brick> bricks;
   for (std::size_t i = 0; i < content.target->size(); ++i) {
-    model::BrickRule rule;
+    brick::BrickRule rule;
     rule.thickness = content.bricks[i].thickness;
-    bricks.push_back(model::makeBrick((*content.target)[i], rule));
+    bricks.push_back(brick::makeBrick((*content.target)[i], rule));
   }
   return bricks;
 }
@@ -152,11 +152,11 @@ std::vector<std::vector<std::vector<Vector3>>> ghostFaces(Ghost ghost,
                                                           const PictureContent& content) {
   if (ghost == Ghost::None) return {};
   const bool isStart = ghost == Ghost::Start;
-  const std::vector<model::Brick> bricks = isStart ? content.bricks : targetBricks(content);
-  const Poses poses = isStart ? content.start : model::startPoses(*content.target, bricks);
+  const std::vector<brick::Brick> bricks = isStart ? content.bricks : targetBricks(content);
+  const Poses poses = isStart ? content.start : brick::startPoses(*content.target, bricks);
   std::vector<std::vector<std::vector<Vector3>>> ghosts;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    ghosts.push_back(model::brickFaces(bricks[i]));
+    ghosts.push_back(brick::brickFaces(bricks[i]));
     for (std::vector<Vector3>& face : ghosts.back()) {
       for (Vector3& corner : face) corner = poses[i].apply(corner);
     }
@@ -187,7 +187,7 @@ void setView(const Look& look, std::span<const Poses> states, PictureContent& co
                                                                  : look.ground != GroundLook::None);
   std::vector<std::vector<model::Tile>> shown;
   for (const Poses& poses : states) {
-    const std::vector<model::Tile> tiles = model::bottomTiles(content.bricks, poses);
+    const std::vector<model::Tile> tiles = brick::bottomTiles(content.bricks, poses);
     std::vector<model::Tile>& near = shown.emplace_back();
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       if (isShown(content, i, poses[i])) near.push_back(tiles[i]);
@@ -198,20 +198,20 @@ void setView(const Look& look, std::span<const Poses> states, PictureContent& co
 }
 
 /// Cameras keep the start and the target, if any, in view.
-PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
+PictureContent makeContent(const model::Model& model, const brick::BrickRule& rule,
                            const std::optional<scene::Ground>& ground) {
   PictureContent content;
   content.unit = model.unit;
   content.size = model::modelSize(model);
-  content.bricks = model::makeBricks(model.tiles, rule);
-  content.start = model::startPoses(model.tiles, content.bricks);
-  content.pivots = model::makePivots(model.joints, content.bricks);
+  content.bricks = brick::makeBricks(model.tiles, rule);
+  content.start = brick::startPoses(model.tiles, content.bricks);
+  content.pivots = brick::makePivots(model.joints, content.bricks);
   content.target = model.target;
   if (ground) content.groundHeight = ground->height;
   keepInView(content, content.start);
   if (content.target) {
-    const std::vector<model::Brick> atTarget = model::makeBricks(*content.target, rule);
-    append(content.points, brickCorners(atTarget, model::startPoses(*content.target, atTarget)));
+    const std::vector<brick::Brick> atTarget = brick::makeBricks(*content.target, rule);
+    append(content.points, brickCorners(atTarget, brick::startPoses(*content.target, atTarget)));
   }
   return content;
 }
@@ -243,7 +243,7 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
 }
 
 void requireVertices(const std::vector<TracedVertex>& trails,
-                     const std::vector<model::Brick>& bricks) {
+                     const std::vector<brick::Brick>& bricks) {
   for (const auto& [tile, vertex] : trails) {
     if (tile >= static_cast<int>(bricks.size())) {
       throw InputError(
@@ -261,7 +261,7 @@ void requireVertices(const std::vector<TracedVertex>& trails,
 
 Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
                        const TracedVertex& vertex) {
-  const model::Brick& brick = content.bricks[vertex.tile];
+  const brick::Brick& brick = content.bricks[vertex.tile];
   return poses[vertex.tile].apply(0.5 * (brick.bottom[vertex.vertex] + brick.top[vertex.vertex]));
 }
 
@@ -300,8 +300,8 @@ DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
   include(shownCorners(content_, content_.start));
   for (const Poses& poses : content_.states) include(shownCorners(content_, poses));
   if (content_.target) {
-    const std::vector<model::Brick> bricks = targetBricks(content_);
-    include(brickCorners(bricks, model::startPoses(*content_.target, bricks)));
+    const std::vector<brick::Brick> bricks = targetBricks(content_);
+    include(brickCorners(bricks, brick::startPoses(*content_.target, bricks)));
   }
   return cue;
 }
@@ -310,7 +310,7 @@ PictureItems PictureSetup::items(const ShownState& state) const {
   PictureItems items{
       state.poses, palette_.colours(state.poses, state.time), state.pinned, {}, {}, {}, {}, {}, {}};
   if (jointMarks_) {
-    for (const model::Pivot& pivot : content_.pivots) {
+    for (const brick::Pivot& pivot : content_.pivots) {
       items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
     }
   }
@@ -610,10 +610,10 @@ std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
 }
 
 /// Metres; 1 without bricks.
-double meanEdge(const std::vector<model::Brick>& bricks) {
+double meanEdge(const std::vector<brick::Brick>& bricks) {
   double sum = 0;
   int count = 0;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
       sum += (brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm();
       ++count;
@@ -623,7 +623,7 @@ double meanEdge(const std::vector<model::Brick>& bricks) {
 }
 
 /// For the legend: "concave hexagon", "12-gon".
-std::string shapeName(const model::Brick& brick) {
+std::string shapeName(const brick::Brick& brick) {
   const std::size_t corners = brick.bottom.size();
   const std::string concave = brick.parts.empty() ? "" : "concave ";
   constexpr std::array<const char*, 6> kNames = {"triangle", "quadrilateral", "pentagon",
@@ -680,10 +680,10 @@ BrickColours plainColours(const Look& look) {
   return colours;
 }
 
-std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks) {
+std::vector<int> shapeKinds(const std::vector<brick::Brick>& bricks) {
   std::vector<std::vector<double>> signatures;
   std::vector<std::size_t> corners;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     signatures.push_back(signature(brick.bottom));
     corners.push_back(brick.bottom.size());
   }
@@ -713,7 +713,7 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "--colour or add target.txt");
   }
   const bool isPulled = content.panels || (colouring_ == Colouring::Moment
-                                               ? !model::hingeSpringsOf(content.pairForces).empty()
+                                               ? !brick::hingeSpringsOf(content.pairForces).empty()
                                                : !content.pairForces.empty());
   if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(

@@ -17,8 +17,8 @@
 #include "render/picture/painter.h"
 #include "render/picture/picture_geometry.h"
 #include "render/picture/style.h"
-#include "sim/model/brick.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/panels.h"
@@ -211,11 +211,11 @@ struct TimedPath {
 
 /// Contents of the pictures of a run, made once for all pictures. Lengths are in metres.
 struct PictureContent {
-  std::vector<model::Brick> bricks;                ///< one per tile
+  std::vector<brick::Brick> bricks;                ///< one per tile
   LengthUnit unit;                                 ///< of the model, for texts
   Poses start;                                     ///< one per brick
-  std::vector<model::Pivot> pivots;                ///< of all joints
-  model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
+  std::vector<brick::Pivot> pivots;                ///< of all joints
+  brick::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
   /// Tiles that stretch and bend, with their states; null without them and before the run.
   std::shared_ptr<const trajectory::LoadedPanels> panels;
   std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
@@ -245,7 +245,7 @@ BrickColours plainColours(const Look& look);
 /// Zero-based numbers of the shapes of tiles, one per brick, in order of appearance. Congruent
 /// tiles and mirror images have the same number. With more than seven shapes, the numbers depend
 /// only on the count of corners.
-std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks);
+std::vector<int> shapeKinds(const std::vector<brick::Brick>& bricks);
 
 /// Selects the colours of all bricks in every picture of one run.
 class BrickPalette {
@@ -307,7 +307,7 @@ struct ShownState {
 /// The content of a model whose bricks are made by the rule, on the scene's ground if it has one.
 /// Cameras keep the start and the target in view; the caller can add more points. `ground`: of the
 /// scene; absent: none.
-PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
+PictureContent makeContent(const model::Model& model, const brick::BrickRule& rule,
                            const std::optional<scene::Ground>& ground);
 
 /// A brick farther from its start than this many model sizes is not kept in view. Otherwise the
@@ -331,7 +331,7 @@ bool needsView(const Look& look);
 
 /// Throws InputError for a vertex that no brick has.
 void requireVertices(const std::vector<TracedVertex>& trails,
-                     const std::vector<model::Brick>& bricks);
+                     const std::vector<brick::Brick>& bricks);
 
 /// Where a vertex of a brick is: the middle between its bottom and its top.
 Vector3 vertexPosition(const PictureContent& content, const Poses& poses,

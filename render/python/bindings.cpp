@@ -28,7 +28,7 @@
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace py = pybind11;
@@ -248,7 +248,7 @@ void addModels(py::module_& module) {
       .def(
           "write",
           [](const cli::LoadedModel& loaded, const std::filesystem::path& path) {
-            withoutInterpreter([&] { model::writeModel(loaded.model, path); });
+            withoutInterpreter([&] { formats::writeModel(loaded.model, path); });
           },
           "path"_a, "Writes the model, in the format of the path's ending: none for a folder.")
       .def("__repr__", &describeModel);

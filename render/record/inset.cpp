@@ -92,9 +92,9 @@ void drawBricks(const picture::PictureSetup& setup, const FrameState& state,
   const picture::Camera camera =
       setup.camera({state.moment.time, state.sample.poses, {}, state.moment.turn});
   const Eigen::Matrix4d clip = picture::clipFromWorld(camera, setup.pictureSize().aspect());
-  const std::vector<model::Brick>& bricks = setup.content().bricks;
+  const std::vector<brick::Brick>& bricks = setup.content().bricks;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (const std::vector<Vector3>& face : model::brickFaces(bricks[i])) {
+    for (const std::vector<Vector3>& face : brick::brickFaces(bricks[i])) {
       picture::Canvas::Points corners;
       for (const Vector3& corner : face) {
         const Eigen::Vector4d point = clip * state.sample.poses[i].apply(corner).homogeneous();

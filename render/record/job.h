@@ -176,7 +176,7 @@ struct RunSummary : PictureReport {
   std::vector<trajectory::Event> events;          ///< actions of the timeline, end of the run
   run::DeployCost deployCost;                     ///< of the run itself
   std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
-  std::optional<model::Elasticity> elasticity;    ///< absent if no hinge has a spring
+  std::optional<brick::Elasticity> elasticity;    ///< absent if no hinge has a spring
   std::string leftOut;                            ///< why an export is missing; usually empty
   std::vector<output::FileDigest> digests;        ///< of all files but summary.json
 };

@@ -29,7 +29,7 @@ double shownDistance(const trajectory::Subject& subject, const picture::PictureC
   if (picture::showsAllBricks(content, from) && picture::showsAllBricks(content, to)) {
     return run::pathDistance(subject.bricks, from, to);
   }
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses before, after;
   for (std::size_t i = 0; i < subject.bricks.size(); ++i) {
     if (!picture::isShown(content, i, from[i]) || !picture::isShown(content, i, to[i])) continue;

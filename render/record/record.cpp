@@ -40,7 +40,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 
 namespace kirireel::record {
 namespace {
@@ -263,11 +263,11 @@ class LiveRun {
 
 void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  model::writeTiles(model::inUnit(model::inFileOrder(model::bottomTiles(bricks, end.last->poses),
-                                                     scene.model.fileOrder),
-                                  scene.model.unit),
-                    settings.folder / output::kFinalVertices, scene.model.unit);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  formats::writeTiles(model::inUnit(model::inFileOrder(brick::bottomTiles(bricks, end.last->poses),
+                                                       scene.model.fileOrder),
+                                    scene.model.unit),
+                      settings.folder / output::kFinalVertices, scene.model.unit);
   summary.files.emplace_back(output::kFinalVertices);
   if (!settings.meshes) return;
   const auto write = [&](const char* name, const trajectory::Sample& sample) {
@@ -285,7 +285,7 @@ void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSet
 /// from 1.
 void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunSummary& summary) {
   const trajectory::TrajectoryReader run(settings.folder / output::kTrajectory);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   int number = 0;
   for (const std::size_t sample : samplesOf("export", run)) {
     ++number;

@@ -90,14 +90,14 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   return json;
 }
 
-Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
+Json elasticityJson(const std::optional<brick::Elasticity>& elasticity) {
   if (!elasticity) return nullptr;
   Json json;
   for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     json[kind.name.counted] = elasticity->count(kind.name.counted);
   }
   for (const auto& [name, count] : elasticity->counts) json[name] = count;
-  for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
+  for (const auto& figure : fieldsOfType<double>(brick::Elasticity::fields())) {
     json[figure.name] = (*elasticity).*figure.member;
   }
   return json;
@@ -292,23 +292,23 @@ Json settingJson(const scene::Setting& setting, const scene::Scene& scene) {
 
 /// Mean stiffness of the springs per brick; rotation is about a brick's normal.
 Json springsJson(const scene::Scene& scene) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const auto mean = [&](const auto& part) {
     double sum = 0;
-    for (const model::Brick& brick : bricks)
+    for (const brick::Brick& brick : bricks)
       sum += part(brick, run::springOf(brick, scene.springs));
     return sum / static_cast<double>(bricks.size());
   };
-  return {{"spring_stiffness", mean([](const model::Brick&, const run::BrickSpring& spring) {
+  return {{"spring_stiffness", mean([](const brick::Brick&, const run::BrickSpring& spring) {
              return spring.springStiffness;
            })},
-          {"torque_stiffness", mean([](const model::Brick&, const run::BrickSpring& spring) {
+          {"torque_stiffness", mean([](const brick::Brick&, const run::BrickSpring& spring) {
              return spring.torqueStiffness;
            })},
-          {"force_damping", mean([](const model::Brick&, const run::BrickSpring& spring) {
+          {"force_damping", mean([](const brick::Brick&, const run::BrickSpring& spring) {
              return spring.forceDamping;
            })},
-          {"torque_damping", mean([](const model::Brick& brick, const run::BrickSpring& spring) {
+          {"torque_damping", mean([](const brick::Brick& brick, const run::BrickSpring& spring) {
              return brick.normal.dot(spring.torqueDamping * brick.normal);
            })}};
 }

@@ -136,7 +136,7 @@ class Verifier {
   }
 
   /// One sample.
-  void recompute(const trajectory::TrajectoryReader& run, const std::vector<model::Pivot>& pivots,
+  void recompute(const trajectory::TrajectoryReader& run, const std::vector<brick::Pivot>& pivots,
                  std::size_t index) {
     const trajectory::Subject& subject = run.subject();
     const trajectory::Sample stored = run.sample(index);
@@ -156,8 +156,8 @@ class Verifier {
   /// The files are unchanged, so any difference found here was wrong when written.
   void compareFigures(const Json& summary) {
     const trajectory::TrajectoryReader run(folder_ / output::kTrajectory);
-    const std::vector<model::Pivot> pivots =
-        model::makePivots(run.subject().model.joints, run.subject().bricks);
+    const std::vector<brick::Pivot> pivots =
+        brick::makePivots(run.subject().model.joints, run.subject().bricks);
     lengthRounding_ = kFigureRounding * model::tileSize(run.subject().model);
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
@@ -237,14 +237,14 @@ class Verifier {
 
   /// Figures that depend on one state: the start, the end, or a stored one.
   void compareStates(const Json& summary, const trajectory::TrajectoryReader& run,
-                     const std::vector<model::Pivot>& pivots) {
+                     const std::vector<brick::Pivot>& pivots) {
     const trajectory::Subject& subject = run.subject();
     const Json& stated = summary.at("accuracy");
     const trajectory::Sample first = run.sample(0);
     const trajectory::Sample last = run.sample(run.times().size() - 1);
-    const Poses asRead = model::startPoses(subject.model.tiles, subject.bricks);
+    const Poses asRead = brick::startPoses(subject.model.tiles, subject.bricks);
     compareAccuracy(stated, &run::Accuracy::assemblyMove,
-                    trajectory::targetError(model::bottomTiles(subject.bricks, asRead),
+                    trajectory::targetError(brick::bottomTiles(subject.bricks, asRead),
                                             subject.bricks, first.poses));
     compareAccuracy(stated, &run::Accuracy::jointGapEnd, last.jointGap);
     if (subject.model.target) {
@@ -271,21 +271,21 @@ class Verifier {
   void compareElasticity(const Json& summary, const trajectory::TrajectoryReader& run,
                          const Poses& start, const Poses& end) {
     const Json stated = summary.value("elasticity", Json());
-    const model::PairForces& forces = run.subject().pairForces;
+    const brick::PairForces& forces = run.subject().pairForces;
     const auto& panels = run.end().panels;
     const bool isElastic = !forces.empty() || panels;
     if (isElastic == stated.is_null()) {
       complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not agree");
     }
     if (!isElastic || stated.is_null()) return;
-    model::Elasticity found = model::elasticityOf(forces, start, end);
+    brick::Elasticity found = brick::elasticityOf(forces, start, end);
     if (panels) trajectory::setElasticity(*panels, found);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not have all kinds.
       const std::string name = kind.name.counted;
       compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
-    for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
+    for (const auto& figure : fieldsOfType<double>(brick::Elasticity::fields())) {
       compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),
               found.*figure.member);
     }
@@ -294,7 +294,7 @@ class Verifier {
   /// The function that computes each figure from its state. All arguments must outlive the list.
   static std::vector<StateFigure> stateFigures(const Json& summary,
                                                const trajectory::Subject& subject,
-                                               const std::vector<model::Pivot>& pivots,
+                                               const std::vector<brick::Pivot>& pivots,
                                                const Poses& asRead) {
     // As in the run: overlaps in the corners that joined bricks share do not count as
     // "outside".

@@ -21,8 +21,8 @@
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
 #include "render/record/summary.h"
+#include "sim/formats/repairs.h"
 #include "sim/model/convex_parts.h"
-#include "sim/model/model_checks.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/run/assembled_state.h"
 #include "sim/scene/scene_needs.h"
@@ -222,12 +222,12 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   }
   inspection.size = model::modelSize(model);
   inspection.tileSize = model::tileSize(model);
-  inspection.suggestedThickness = model::kDefaultThickness * inspection.tileSize;
+  inspection.suggestedThickness = brick::kDefaultThickness * inspection.tileSize;
   inspection.countsFrom = model.fileOrder.countsFrom;
   inspection.rounding = model.rounding;
   inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
   for (const model::Repair& repair : model.repairs)
-    inspection.repairs.push_back(model::toString(repair));
+    inspection.repairs.push_back(formats::toString(repair));
   beginStage("checking the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = scene::sceneNeeds(scene);
@@ -359,9 +359,9 @@ Vector3 middleBy(const model::Tile& tile, int vertex) {
 }
 
 /// A line as a loop at a height. An open line is traversed forwards and backwards.
-model::Tile loopOf(const model::DrawnPath& path, double height) {
+model::Tile loopOf(const formats::DrawnPath& path, double height) {
   model::Tile loop;
-  for (const model::Vector2& point : path.points) {
+  for (const formats::Vector2& point : path.points) {
     loop.vertices.emplace_back(point.x(), point.y(), height);
   }
   if (path.isClosed) return loop;
@@ -392,8 +392,8 @@ picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> 
 class StatePicture {
  public:
   StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
-               const model::BrickRule& rule, picture::FrameSize size,
-               const std::optional<std::vector<model::DrawnPath>>& ignored = {})
+               const brick::BrickRule& rule, picture::FrameSize size,
+               const std::optional<std::vector<formats::DrawnPath>>& ignored = {})
       : tiles_(tiles), order_(model.fileOrder), size_(size) {
     const std::vector<Vector3> points = allVertices(tiles);
     picture::CameraFit fit;
@@ -402,9 +402,9 @@ class StatePicture {
     // Parallel projection: equal tiles have numbers of equal size.
     fit.orthographic = true;
     camera_ = picture::fitCamera(points, fit);
-    const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
+    const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, rule);
     picture::PictureItems items;
-    items.poses = model::startPoses(tiles, bricks);
+    items.poses = brick::startPoses(tiles, bricks);
     for (const model::Repair& repair : model.repairs) {
       for (const model::Corner& corner : repair.corners) {
         items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
@@ -415,7 +415,7 @@ class StatePicture {
       for (const model::Joint& joint : model.joints) {
         items.marks.push_back(tiles[joint.a.tile].vertices[joint.a.vertex]);
       }
-      for (const model::DrawnPath& path : *ignored) items.overlay.push_back(loopOf(path, above));
+      for (const formats::DrawnPath& path : *ignored) items.overlay.push_back(loopOf(path, above));
     }
     picture::Style style;
     style.overlay = kIgnoredLine;
@@ -482,7 +482,7 @@ class StatePicture {
 }  // namespace
 
 picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
-                               const std::optional<std::vector<model::DrawnPath>>& ignored) {
+                               const std::optional<std::vector<formats::DrawnPath>>& ignored) {
   std::vector<picture::GridPicture> pictures;
   pictures.push_back(
       {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize, ignored).numbered(),
@@ -500,11 +500,11 @@ picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
   return linePicture({tile}, {place}, size);
 }
 
-picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize size) {
+picture::Frame faultPicture(const formats::DrawingFault& fault, picture::FrameSize size) {
   std::vector<model::Tile> lines;
-  for (const model::DrawnPath& path : fault.lines()) lines.push_back(loopOf(path, 0));
+  for (const formats::DrawnPath& path : fault.lines()) lines.push_back(loopOf(path, 0));
   std::vector<Vector3> dots;
-  for (const model::Vector2& place : fault.places()) dots.emplace_back(place.x(), place.y(), 0);
+  for (const formats::Vector2& place : fault.places()) dots.emplace_back(place.x(), place.y(), 0);
   return linePicture(std::move(lines), std::move(dots), size);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/picture/frame.h"
-#include "sim/model/drawing.h"
+#include "sim/formats/drawing.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/sheet.h"
@@ -83,11 +83,11 @@ std::string inspectionJson(const Inspection& inspection);
 /// a drawing that are not cut. They are drawn over the start, and its hinges have
 /// dots.
 picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
-                               const std::optional<std::vector<model::DrawnPath>>& ignored = {});
+                               const std::optional<std::vector<formats::DrawnPath>>& ignored = {});
 
 /// A drawing that is not a sheet: its lines, and a dot at each fault. Throws OutputError if there
 /// is no graphics context.
-picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize size);
+picture::Frame faultPicture(const formats::DrawingFault& fault, picture::FrameSize size);
 
 /// A polygon that cannot be a tile: its sides as lines, and a dot at `place`, metres, where two of
 /// them cross. Throws OutputError if there is no graphics context.

@@ -34,7 +34,7 @@
 #include "render/sweep/sweep_plan.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "sim/trajectory/array_file.h"
 
 namespace kirireel::sweep {
@@ -451,8 +451,8 @@ class EndStatePainter {
     if (picture.vertices.empty())
       return picture::makeFrame(kPictureSize, picture::Style().background);
     model::Model model;
-    model.tiles = model::readTileFile(picture.vertices);
-    model::BrickRule rule;
+    model.tiles = formats::readTileFile(picture.vertices);
+    brick::BrickRule rule;
     rule.thickness = picture.thickness;
     const picture::PictureContent content = picture::makeContent(model, rule, std::nullopt);
     // Making a graphics context takes longer than painting a small picture.

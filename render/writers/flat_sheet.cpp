@@ -21,7 +21,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/stiffness.h"
+#include "sim/brick/stiffness.h"
 
 namespace kirireel::writers {
 namespace {
@@ -789,7 +789,7 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
 
 NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape) {
   NeckShape own = shape;
-  if (own.width == 0) own.width = joint.neck ? model::materialWidth(joint.neck) : 0;
+  if (own.width == 0) own.width = joint.neck ? brick::materialWidth(joint.neck) : 0;
   if (own.length == 0) own.length = joint.neck.length;
   if (own.kerf == 0) own.kerf = joint.neck.kerf;
   own.length = std::max(own.length, own.kerf);

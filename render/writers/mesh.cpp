@@ -46,7 +46,7 @@ using Face = std::vector<unsigned>;
 constexpr std::size_t kMostCorners = 1U << 24U;
 
 /// The corners of all bricks in world axes, metres: for each brick its bottom, then its top.
-std::vector<Vector3> worldCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
+std::vector<Vector3> worldCorners(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
@@ -74,9 +74,9 @@ std::vector<Face> facesOf(unsigned n, unsigned first) {
 }
 
 /// The faces of a brick whose first corner has this number, as triangles.
-std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
+std::vector<Face> brickTriangles(const brick::Brick& brick, unsigned first) {
   std::vector<Face> triangles;
-  const std::vector<std::vector<Vector3>> shapes = model::brickFaces(brick);
+  const std::vector<std::vector<Vector3>> shapes = brick::brickFaces(brick);
   const std::vector<Face> faces = facesOf(static_cast<unsigned>(brick.bottom.size()), first);
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const Vector3 normal = k == 0 ? Vector3(-brick.normal) : brick.normal;
@@ -231,11 +231,11 @@ void appendFace(std::string& text, std::string_view line, const std::vector<std:
   text += '\n';
 }
 
-std::string objText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+std::string objText(const std::vector<brick::Brick>& bricks, const std::vector<Vector3>& corners,
                     const std::filesystem::path& path) {
   std::vector<std::unique_ptr<aiMesh>> meshes;
   unsigned first = 0;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
     const std::string name = fmt::format("TILE_{:05}", meshes.size());
     meshes.push_back(flatMesh(facesOf(sides, first), corners));
@@ -271,10 +271,10 @@ std::string objText(const std::vector<model::Brick>& bricks, const std::vector<V
 }
 
 /// The triangles of all bricks, by the numbers of their corners.
-std::vector<Face> allTriangles(const std::vector<model::Brick>& bricks) {
+std::vector<Face> allTriangles(const std::vector<brick::Brick>& bricks) {
   std::vector<Face> triangles;
   unsigned first = 0;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
     std::ranges::copy(brickTriangles(brick, first), std::back_inserter(triangles));
     first += 2 * sides;
@@ -300,7 +300,7 @@ Vector3 singleOrigin(const std::vector<Vector3>& points) {
 
 /// Binary STL holds single precision and no shared vertices, so nothing is filled in afterwards.
 /// Each facet has its own normal; assimp would smooth them over shared corners.
-std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+std::string stlBytes(const std::vector<brick::Brick>& bricks, const std::vector<Vector3>& corners,
                      const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = flatMesh(allTriangles(bricks), corners);
   const Vector3 origin = singleOrigin(corners);
@@ -322,7 +322,7 @@ std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<
 }
 
 /// Keeps assimp's counts in the header.
-std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+std::string plyText(const std::vector<brick::Brick>& bricks, const std::vector<Vector3>& corners,
                     const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
   const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
@@ -344,7 +344,7 @@ std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<V
 
 }  // namespace
 
-void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
+void writeMesh(const std::filesystem::path& path, const std::vector<brick::Brick>& bricks,
                const Poses& poses, const LengthUnit& unit) {
   std::vector<Vector3> corners = worldCorners(bricks, poses);
   for (Vector3& corner : corners) corner = inUnit(corner, unit);
@@ -463,8 +463,8 @@ Vector3 normalOf(const std::vector<Vector3>& face) {
 }
 
 /// Each face has its own vertices with its own normal.
-Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) {
-  const std::vector<std::vector<Vector3>> faces = model::brickFaces(brick);
+Json meshJson(const brick::Brick& brick, const std::string& name, Asset& asset) {
+  const std::vector<std::vector<Vector3>> faces = brick::brickFaces(brick);
   std::size_t vertices = 0;
   std::size_t triangles = 0;
   for (const std::vector<Vector3>& face : faces) {
@@ -514,7 +514,7 @@ void place(std::string& view, std::size_t index, const std::array<double, count>
 /// Reads keys in sequence into glTF's order by brick, relative to the `origin` of the first key.
 /// Returns the poses of the first key. Quaternions keep their sign between keys, because viewers
 /// would otherwise rotate by more than half a turn.
-Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
+Poses readKeys(const std::vector<brick::Brick>& bricks, std::size_t keyCount,
                const std::function<AnimationKey(std::size_t)>& key, Asset& asset, Vector3& origin) {
   const std::size_t brickCount = bricks.size();
   asset.views[kMoves].resize(brickCount * keyCount * 3 * sizeof(float));
@@ -644,7 +644,7 @@ std::string glbFile(const std::string& json, const std::string& binary) {
 
 }  // namespace
 
-std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
+std::string animationBytes(const std::vector<brick::Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key) {
   Asset asset;
   Json meshes = Json::array();

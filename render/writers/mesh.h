@@ -9,7 +9,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/length_unit.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::writers {
 
@@ -23,7 +23,7 @@ namespace kirireel::writers {
 /// Except in STL (single precision) they read back bitwise equal. Throws InputError for another
 /// ending, OutputError if the file cannot be written, Interrupted if the user ends the program.
 /// `poses` has one pose per brick. The text is built in memory.
-void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
+void writeMesh(const std::filesystem::path& path, const std::vector<brick::Brick>& bricks,
                const Poses& poses, const LengthUnit& unit = {});
 
 /// The version of assimp in use, e.g. "5.2.5".
@@ -48,7 +48,7 @@ struct AnimationKey {
 /// Written without assimp, whose exporter copies all data for each channel: 33 s for 1,600 tiles
 /// and 121 keys, in contrast to one second here. Memory: 28 bytes per brick and key, and a second
 /// copy of the file during its composition.
-std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
+std::string animationBytes(const std::vector<brick::Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key);
 
 }  // namespace kirireel::writers

@@ -86,7 +86,7 @@ void appendNumber(std::string& text, const char* name, double value) {
 
 /// Visits the bottom, then the top corners of all bricks, as brickCorners does, for any poses.
 template <typename Function>
-void forEachCorner(const std::vector<model::Brick>& bricks, const Function& function) {
+void forEachCorner(const std::vector<brick::Brick>& bricks, const Function& function) {
   for (std::size_t tile = 0; tile < bricks.size(); ++tile) {
     for (const auto* face : {&bricks[tile].bottom, &bricks[tile].top}) {
       for (std::size_t k = 0; k < face->size(); ++k) function(tile, k, (*face)[k]);
@@ -140,11 +140,11 @@ void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int fi
 
 /// One cell per brick. Since VTK's cells are convex, concave bricks have one cell per triangle of
 /// the bottom. Points are numbered in the order of forEachCorner.
-Cells cellsOf(const std::vector<model::Brick>& bricks) {
+Cells cellsOf(const std::vector<brick::Brick>& bricks) {
   Cells cells;
   int first = 0;
   for (int number = 0; number < std::ssize(bricks); ++number) {
-    const model::Brick& brick = bricks[number];
+    const brick::Brick& brick = bricks[number];
     const int n = static_cast<int>(brick.bottom.size());
     if (cellType(n) == kWedge || !brick.parts.empty()) {
       for (const auto& triangle : model::trianglesOf(brick.bottom, brick.normal)) {
@@ -195,7 +195,7 @@ std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& ce
 /// `turn` in radians.
 void appendCellFields(std::string& text, const trajectory::Subject& subject, const Cells& cells,
                       const Poses& start, const Poses& poses, const LengthUnit& unit) {
-  const std::vector<model::Pivot> pivots = model::makePivots(subject.model.joints, subject.bricks);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(subject.model.joints, subject.bricks);
   std::vector<double> gaps = trajectory::brickJointGaps(pivots, poses);
   for (double& gap : gaps) gap = inUnit(gap, unit);
   text += "<CellData Scalars=\"joint_gap\">\n";
@@ -240,7 +240,7 @@ void appendMeasures(std::string& text, const trajectory::Subject& subject,
 std::string vtuText(const trajectory::Subject& subject, const Poses& start,
                     const trajectory::Sample& sample, const LengthUnit& unit) {
   std::size_t points = 0;
-  for (const model::Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
+  for (const brick::Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
   std::string text = fmt::format("<?xml version=\"1.0\"?>\n<!-- unit {} -->\n", unit.name);
   text +=
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "

@@ -28,8 +28,8 @@
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
 #include "sim/base/interruption.h"
+#include "sim/brick/contact.h"
 #include "sim/contacts/bullet_values.h"
-#include "sim/model/contact.h"
 
 namespace kirireel::contacts {
 namespace {
@@ -44,16 +44,16 @@ std::pair<int, int> piecesOf(Key key) {
   return {static_cast<int>(key >> 32), static_cast<int>(key & 0xffffffffU)};
 }
 
-std::vector<model::Brick> shapesOf(const std::vector<model::BrickPiece>& pieces) {
-  std::vector<model::Brick> shapes;
+std::vector<brick::Brick> shapesOf(const std::vector<brick::BrickPiece>& pieces) {
+  std::vector<brick::Brick> shapes;
   shapes.reserve(pieces.size());
-  for (const model::BrickPiece& piece : pieces) shapes.push_back(piece.shape);
+  for (const brick::BrickPiece& piece : pieces) shapes.push_back(piece.shape);
   return shapes;
 }
 
 /// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
 struct ObstaclePart {
-  model::Brick body;             ///< its shape; of a sphere the cube round it
+  brick::Brick body;             ///< its shape; of a sphere the cube round it
   Pose pose;                     ///< fixed
   std::optional<double> radius;  ///< of a sphere, metres
   double friction = 0;           ///< Coulomb coefficient
@@ -63,7 +63,7 @@ struct ObstaclePart {
 /// The parts of all obstacles, in order.
 std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles);
 
-std::vector<model::Brick> withParts(std::vector<model::Brick> bricks,
+std::vector<brick::Brick> withParts(std::vector<brick::Brick> bricks,
                                     const std::vector<ObstaclePart>& parts) {
   for (const ObstaclePart& part : parts) bricks.push_back(part.body);
   return bricks;
@@ -71,11 +71,11 @@ std::vector<model::Brick> withParts(std::vector<model::Brick> bricks,
 
 /// The bricks, then the parts of obstacles, and the convex pieces of them all.
 struct ContactBodies {
-  ContactBodies(const std::vector<model::Brick>& bricks, std::vector<ObstaclePart> obstacles)
+  ContactBodies(const std::vector<brick::Brick>& bricks, std::vector<ObstaclePart> obstacles)
       : brickCount(static_cast<int>(bricks.size())),
         parts(std::move(obstacles)),
         bodies(withParts(bricks, parts)),
-        pieces(model::convexPieces(bodies)),
+        pieces(brick::convexPieces(bodies)),
         shapes(shapesOf(pieces)),
         firstPiece(bodies.size()) {
     // Backwards, so the first piece of each brick remains.
@@ -95,34 +95,34 @@ struct ContactBodies {
     for (const ObstaclePart& part : parts) all.push_back(part.pose);
     return all;
   }
-  model::Contact given(model::Contact contact) const;
-  model::Contact betweenBodies(model::Contact contact) const;
+  brick::Contact given(brick::Contact contact) const;
+  brick::Contact betweenBodies(brick::Contact contact) const;
   /// Pieces move with their bricks.
   Poses posesOfPieces(const Poses& poses) const {
     Poses placed;
     placed.reserve(pieces.size());
-    for (const model::BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
+    for (const brick::BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
     return placed;
   }
 
   int brickCount;
   std::vector<ObstaclePart> parts;
-  std::vector<model::Brick> bodies;
-  std::vector<model::BrickPiece> pieces;  // those of one body never collide with each other
-  std::vector<model::Brick> shapes;       // of the pieces
+  std::vector<brick::Brick> bodies;
+  std::vector<brick::BrickPiece> pieces;  // those of one body never collide with each other
+  std::vector<brick::Brick> shapes;       // of the pieces
   std::vector<int> firstPiece;            // of each body
 };
 
 /// A contact of two bodies as others know it.
-model::Contact ContactBodies::given(model::Contact contact) const {
+brick::Contact ContactBodies::given(brick::Contact contact) const {
   if (const ObstaclePart* part = partOf(contact.brickA)) {
     contact.partA = contact.brickA - brickCount;
-    contact.brickA = model::kFirstObstacle - part->obstacle;
+    contact.brickA = brick::kFirstObstacle - part->obstacle;
     contact.pointA = part->pose.apply(contact.pointA);
     contact.edgeA = part->pose.rotation * contact.edgeA;
   } else if (const ObstaclePart* other = partOf(contact.brickB)) {
     contact.partB = contact.brickB - brickCount;
-    contact.brickB = model::kFirstObstacle - other->obstacle;
+    contact.brickB = brick::kFirstObstacle - other->obstacle;
     contact.pointB = other->pose.apply(contact.pointB);
     contact.normal = other->pose.rotation * contact.normal;
   }
@@ -130,13 +130,13 @@ model::Contact ContactBodies::given(model::Contact contact) const {
 }
 
 /// The inverse.
-model::Contact ContactBodies::betweenBodies(model::Contact contact) const {
-  if (!model::isBrick(contact.brickA)) {
+brick::Contact ContactBodies::betweenBodies(brick::Contact contact) const {
+  if (!brick::isBrick(contact.brickA)) {
     const Pose& pose = parts[contact.partA].pose;
     contact.brickA = brickCount + std::exchange(contact.partA, 0);
     contact.pointA = pose.rotation.conjugate() * (contact.pointA - pose.position);
     contact.edgeA = pose.rotation.conjugate() * contact.edgeA;
-  } else if (!model::isBrick(contact.brickB)) {
+  } else if (!brick::isBrick(contact.brickB)) {
     const Pose& pose = parts[contact.partB].pose;
     contact.brickB = brickCount + std::exchange(contact.partB, 0);
     contact.pointB = pose.rotation.conjugate() * (contact.pointB - pose.position);
@@ -148,7 +148,7 @@ model::Contact ContactBodies::betweenBodies(model::Contact contact) const {
 }  // namespace
 
 struct ContactFinder::Internals {
-  Internals(const std::vector<model::Brick>& bricks, const scene::Environment& surroundings)
+  Internals(const std::vector<brick::Brick>& bricks, const scene::Environment& surroundings)
       : bodies(bricks, obstacleParts(surroundings.obstacles)),
         environment(surroundings),
         near(bodies.shapes),
@@ -156,7 +156,7 @@ struct ContactFinder::Internals {
 
   /// The pair of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
-  std::shared_ptr<const PieceShape> shapeOf(const model::Brick& piece) const;
+  std::shared_ptr<const PieceShape> shapeOf(const brick::Brick& piece) const;
   std::shared_ptr<const PieceShape> wholeShape(int piece);
   const std::vector<SeparatingPlane>& planesOf(const Outline& a, const Outline& b);
   SpherePair& sphereOf(int piece, int sphere);
@@ -164,15 +164,15 @@ struct ContactFinder::Internals {
   void updatePairs(const Poses& from, const Poses& to);
   void listNearPairs();
   void transfer(StateTape& tape);
-  double appendGround(int brick, const Pose& end, std::vector<model::Contact>& contacts);
+  double appendGround(int brick, const Pose& end, std::vector<brick::Contact>& contacts);
   double frictionWith(int a, int b) const;
-  BrickPair* knownPair(const model::Contact& contact);
-  const BrickPair* knownPair(const model::Contact& contact) const {
+  BrickPair* knownPair(const brick::Contact& contact);
+  const BrickPair* knownPair(const brick::Contact& contact) const {
     return const_cast<Internals*>(this)->knownPair(contact);
   }
 
   const ContactBodies bodies;
-  std::map<std::pair<int, int>, model::SharedCorners> joined;
+  std::map<std::pair<int, int>, brick::SharedCorners> joined;
   scene::Environment environment;
   bool planar = false;
   double tolerance = 0;
@@ -199,8 +199,8 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   // memory costs.
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
-  const model::BrickPiece& pieceA = bodies.pieces[a];
-  const model::BrickPiece& pieceB = bodies.pieces[b];
+  const brick::BrickPiece& pieceA = bodies.pieces[a];
+  const brick::BrickPiece& pieceB = bodies.pieces[b];
   const auto add = [&](std::shared_ptr<const PieceShape> ofA,
                        std::shared_ptr<const PieceShape> ofB) -> BrickPair& {
     const std::vector<SeparatingPlane>& planes = planesOf(ofA->outline, ofB->outline);
@@ -213,10 +213,10 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
   if (corners == joined.end() || environment.pivotZone == 0)
     return add(wholeShape(a), wholeShape(b));
-  const double length = model::cutLength(bodies.bodies[pieceA.brick], bodies.bodies[pieceB.brick],
+  const double length = brick::cutLength(bodies.bodies[pieceA.brick], bodies.bodies[pieceB.brick],
                                          environment.pivotZone);
-  return add(shapeOf(model::withoutCorners(pieceA, corners->second.ofA, length)),
-             shapeOf(model::withoutCorners(pieceB, corners->second.ofB, length)));
+  return add(shapeOf(brick::withoutCorners(pieceA, corners->second.ofA, length)),
+             shapeOf(brick::withoutCorners(pieceB, corners->second.ofB, length)));
 }
 
 // Planes are identified by numbers of faces and edges: pairs with equal counts have the same list.
@@ -230,7 +230,7 @@ const std::vector<SeparatingPlane>& ContactFinder::Internals::planesOf(const Out
 }
 
 std::shared_ptr<const PieceShape> ContactFinder::Internals::shapeOf(
-    const model::Brick& piece) const {
+    const brick::Brick& piece) const {
   return std::make_shared<PieceShape>(makeOutline(piece, planar));
 }
 
@@ -304,7 +304,7 @@ double ContactFinder::Internals::frictionWith(int a, int b) const {
 
 /// The pair of a contact between bodies. Null for a sphere, and for a pair that was never near in
 /// this finder; the contact is from another finder then.
-BrickPair* ContactFinder::Internals::knownPair(const model::Contact& contact) {
+BrickPair* ContactFinder::Internals::knownPair(const brick::Contact& contact) {
   const auto [pieceA, pieceB] = std::minmax({bodies.firstPiece[contact.brickA] + contact.partA,
                                              bodies.firstPiece[contact.brickB] + contact.partB});
   const auto found = pairs.find(pairKey(pieceA, pieceB));
@@ -312,7 +312,7 @@ BrickPair* ContactFinder::Internals::knownPair(const model::Contact& contact) {
 }
 
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
-                                              std::vector<model::Contact>& contacts) {
+                                              std::vector<brick::Contact>& contacts) {
   const double height = environment.ground->height;
   // Heights in brick axes: one product per vertex.
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
@@ -329,21 +329,21 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   for (const std::vector<Vector3>* points :
        {&bodies.bodies[brick].bottom, &bodies.bodies[brick].top}) {
     for (const Vector3& point : *points) {
-      contacts.push_back({brick, model::kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
+      contacts.push_back({brick, brick::kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
       contacts.back().friction = environment.ground->friction;
     }
   }
   return height - lowest;
 }
 
-ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
-                             std::span<const model::Pivot> pivots,
+ContactFinder::ContactFinder(const std::vector<brick::Brick>& bricks, const Poses& start,
+                             std::span<const brick::Pivot> pivots,
                              const scene::Environment& environment, bool planar, double tolerance,
                              FaceContact faces)
     : internals_(std::make_unique<Internals>(bricks, environment)) {
   Internals& in = *internals_;
   in.groundGiven.assign(bricks.size(), -1);
-  in.joined = model::sharedCorners(pivots);
+  in.joined = brick::sharedCorners(pivots);
   in.planar = planar;
   in.tolerance = tolerance;
   in.faceContact = faces;
@@ -374,7 +374,7 @@ void ContactFinder::startStep(const Poses& start) {
 }
 
 // Pairs of bricks, then spheres, then the ground.
-double ContactFinder::appendViolated(const Poses& ofBricks, std::vector<model::Contact>& contacts) {
+double ContactFinder::appendViolated(const Poses& ofBricks, std::vector<brick::Contact>& contacts) {
   Internals& in = *internals_;
   const Poses& end = in.bodies.posesOf(ofBricks, in.placed);
   in.updatePairs(in.start, end);
@@ -427,20 +427,20 @@ std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& o
   return std::nullopt;
 }
 
-bool ContactFinder::isCurrent(const model::Contact& given) const {
+bool ContactFinder::isCurrent(const brick::Contact& given) const {
   // The ground's contacts hold while they push.
-  if (given.brickB == model::kFixed) return true;
+  if (given.brickB == brick::kFixed) return true;
   const Internals& in = *internals_;
-  const model::Contact contact = in.bodies.betweenBodies(given);
+  const brick::Contact contact = in.bodies.betweenBodies(given);
   // The nearest points of a sphere's contact rotate with the brick. Each step finds them again.
   const BrickPair* pair = in.knownPair(contact);
   return pair && pair->isCurrent(contact, seenFrom(in.start[pair->a()], in.start[pair->b()]));
 }
 
-void ContactFinder::appendRegion(const model::Contact& given,
-                                 std::vector<model::Contact>& contacts) {
+void ContactFinder::appendRegion(const brick::Contact& given,
+                                 std::vector<brick::Contact>& contacts) {
   Internals& in = *internals_;
-  const model::Contact contact = in.bodies.betweenBodies(given);
+  const brick::Contact contact = in.bodies.betweenBodies(given);
   BrickPair* pair = in.knownPair(contact);
   if (!pair) return;
   const std::size_t first = contacts.size();
@@ -451,10 +451,10 @@ void ContactFinder::appendRegion(const model::Contact& given,
   }
 }
 
-double ContactFinder::insideBorders(const model::Contact& given, const Poses& ofBricks) const {
+double ContactFinder::insideBorders(const brick::Contact& given, const Poses& ofBricks) const {
   if (!given.isRegion) return std::numeric_limits<double>::infinity();
   const Internals& in = *internals_;
-  const model::Contact contact = in.bodies.betweenBodies(given);
+  const brick::Contact contact = in.bodies.betweenBodies(given);
   const BrickPair* pair = in.knownPair(contact);
   if (!pair) return std::numeric_limits<double>::infinity();
   Poses placed;
@@ -483,7 +483,7 @@ int number(const btBroadphaseProxy* proxy) {
 }
 
 // The box of all corners of a brick at a pose.
-void extend(Eigen::AlignedBox3d& box, const model::Brick& brick, const Pose& pose) {
+void extend(Eigen::AlignedBox3d& box, const brick::Brick& brick, const Pose& pose) {
   for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
     for (const Vector3& point : *points) box.extend(pose.apply(point));
   }
@@ -498,7 +498,7 @@ double motionBound(const Pose& from, const Pose& to, double radius) {
   return (to.position - from.position).norm() + 2 * turned * radius;
 }
 
-double outerRadius(const model::Brick& brick) {
+double outerRadius(const brick::Brick& brick) {
   double squared = 0;
   for (const Vector3& point : brick.bottom) squared = std::max(squared, point.squaredNorm());
   for (const Vector3& point : brick.top) squared = std::max(squared, point.squaredNorm());
@@ -506,7 +506,7 @@ double outerRadius(const model::Brick& brick) {
 }
 
 struct NearPairs::Internals {
-  explicit Internals(const std::vector<model::Brick>& all) : bricks(all), broadphase(&cache) {}
+  explicit Internals(const std::vector<brick::Brick>& all) : bricks(all), broadphase(&cache) {}
   ~Internals() {
     // For each proxy Bullet searches all pairs.
     cache.getOverlappingPairArray().clear();
@@ -518,7 +518,7 @@ struct NearPairs::Internals {
   void setBox(int brick, const Eigen::AlignedBox3d& box);
   void listPairs();
 
-  const std::vector<model::Brick>& bricks;
+  const std::vector<brick::Brick>& bricks;
   std::vector<double> radii;
   double margin = 0;
   Poses boxedFrom;  // the move of the boxes; empty before the first call
@@ -580,10 +580,10 @@ void NearPairs::Internals::listPairs() {
   std::sort(pairs.begin(), pairs.end());
 }
 
-NearPairs::NearPairs(const std::vector<model::Brick>& bricks)
+NearPairs::NearPairs(const std::vector<brick::Brick>& bricks)
     : internals_(std::make_unique<Internals>(bricks)) {
   double sum = 0;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     internals_->radii.push_back(outerRadius(brick));
     sum += internals_->radii.back();
   }
@@ -624,8 +624,8 @@ namespace {
 
 ObstaclePart makePart(const model::Tile& floor, double thickness, double friction, int obstacle) {
   ObstaclePart part;
-  part.body = model::makeBrick(floor, {.thickness = thickness});
-  part.pose = model::startPoses({floor}, {part.body}).front();
+  part.body = brick::makeBrick(floor, {.thickness = thickness});
+  part.pose = brick::startPoses({floor}, {part.body}).front();
   part.friction = friction;
   part.obstacle = obstacle;
   return part;
@@ -813,7 +813,7 @@ bool BrickPair::lastPlaneHolds() {
 // From the cheapest test to the most expensive: a bound on the motion, the last plane, all planes,
 // changes of planes.
 double BrickPair::appendViolated(const PairMove& move, long step,
-                                 std::vector<model::Contact>& contacts) {
+                                 std::vector<brick::Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
   placeOutline(outlineB(), move.start, scratch_.startB);
   placeOutline(outlineB(), move.end, scratch_.endB);
@@ -915,8 +915,8 @@ bool BrickPair::canGive(const SeparatingPlane& plane, long step) {
 }
 
 /// Sets the common fields of the pair's contacts.
-void BrickPair::finishContacts(std::vector<model::Contact>& contacts) const {
-  for (model::Contact& contact : contacts) {
+void BrickPair::finishContacts(std::vector<brick::Contact>& contacts) const {
+  for (brick::Contact& contact : contacts) {
     const bool onA = contact.brickA == a_.brick;
     // The overlap from the start of the run moves the contact's zero.
     contact.slack = slack_;
@@ -927,23 +927,23 @@ void BrickPair::finishContacts(std::vector<model::Contact>& contacts) const {
 
 /// Removes the corners of regions that were already appended in this step, and those that do not
 /// hold at its start: edges that cross at the end may have passed each other.
-void BrickPair::keepNew(std::vector<model::Contact>& contacts) const {
-  std::erase_if(contacts, [this](model::Contact contact) {
+void BrickPair::keepNew(std::vector<brick::Contact>& contacts) const {
+  std::erase_if(contacts, [this](brick::Contact contact) {
     const bool isRegion = std::exchange(contact.isRegion, true);
     if (std::ranges::find(corners_, contact) != corners_.end()) return true;
     const bool onA = contact.brickA == a_.brick;
     contact.brickA = onA ? 0 : 1;
     contact.brickB = onA ? 1 : 0;
-    const double gap = model::contactGap(contact, {Pose{}, scratch_.startB.pose});
+    const double gap = brick::contactGap(contact, {Pose{}, scratch_.startB.pose});
     return isRegion && gap < -kWorst * tolerance_;
   });
 }
 
 /// First the region at the start of the step. If that does not keep the pair apart, or the faces do
 /// not overlap, the region at the end of the step. Then all points of one brick against the plane.
-void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts) {
+void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<brick::Contact>& contacts) {
   last_ = plane;
-  std::vector<model::Contact> found;
+  std::vector<brick::Contact> found;
   for (const PlacedOutline* b : {&scratch_.startB, &scratch_.endB}) {
     if (faceContact_ == FaceContact::Plane) break;
     appendRegionContacts(planeNormal(plane, placedA(), *b),
@@ -964,20 +964,20 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Conta
 }
 
 /// The contact's normal from B towards A of the pair, in A's axes.
-Vector3 BrickPair::normalOf(const model::Contact& contact, const PlacedOutline& placedB) const {
+Vector3 BrickPair::normalOf(const brick::Contact& contact, const PlacedOutline& placedB) const {
   // The contact's first brick may be B of the pair; its normal then has the opposite sign.
   const bool swapped = contact.brickA != a_.brick;
-  model::Contact numbered = contact;
+  brick::Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;
   numbered.brickB = swapped ? 0 : 1;
-  return (swapped ? -1 : 1) * model::contactNormal(numbered, {Pose{}, placedB.pose});
+  return (swapped ? -1 : 1) * brick::contactNormal(numbered, {Pose{}, placedB.pose});
 }
 
-void BrickPair::appendRegion(const model::Contact& contact, const Pose& startOfB,
-                             std::vector<model::Contact>& contacts) const {
+void BrickPair::appendRegion(const brick::Contact& contact, const Pose& startOfB,
+                             std::vector<brick::Contact>& contacts) const {
   PlacedOutline placedB;
   placeOutline(outlineB(), startOfB, placedB);
-  std::vector<model::Contact> found;
+  std::vector<brick::Contact> found;
   appendRegionContacts(normalOf(contact, placedB), nullptr, a_.brick, b_.brick, placedA(), placedB,
                        found);
   finishContacts(found);
@@ -987,7 +987,7 @@ void BrickPair::appendRegion(const model::Contact& contact, const Pose& startOfB
   contacts.insert(contacts.end(), found.begin(), found.end());
 }
 
-double BrickPair::insideBorders(const model::Contact& contact, const Pose& poseOfB) const {
+double BrickPair::insideBorders(const brick::Contact& contact, const Pose& poseOfB) const {
   PlacedOutline placedB;
   placeOutline(outlineB(), poseOfB, placedB);
   const bool swapped = contact.brickA != a_.brick;
@@ -995,14 +995,14 @@ double BrickPair::insideBorders(const model::Contact& contact, const Pose& poseO
                                  swapped ? placedA() : placedB);
 }
 
-bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) const {
+bool BrickPair::isCurrent(const brick::Contact& contact, const Pose& startOfB) const {
   PlacedOutline placedB;
   placeOutline(outlineB(), startOfB, placedB);
   return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
 /// Whether the contact's point lies on its face, not outside.
-bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& placedB) const {
+bool BrickPair::touches(const brick::Contact& contact, const PlacedOutline& placedB) const {
   // A contact of two edges has no face.
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_.brick;
@@ -1018,7 +1018,7 @@ bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& plac
 }
 
 /// Whether a plane other than the contact's separates the pair at the start of the step.
-bool BrickPair::isApartOtherwise(const model::Contact& contact,
+bool BrickPair::isApartOtherwise(const brick::Contact& contact,
                                  const PlacedOutline& placedB) const {
   const Vector3 normal = normalOf(contact, placedB);
   return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
@@ -1084,7 +1084,7 @@ const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, i
 
 /// Contacts of one body's points against a face of the other.
 void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& points,
-                        const Outline& faces, std::vector<model::Contact>& contacts) {
+                        const Outline& faces, std::vector<brick::Contact>& contacts) {
   for (const Vector3& point : points.points) {
     contacts.push_back(
         {pointBrick, faceBrick, point, faces.points[faces.facePoints[face]], faces.normals[face]});
@@ -1095,11 +1095,11 @@ void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& 
 /// an edge of each.
 void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
                         const PlacedOutline& a, const PlacedOutline& b,
-                        std::vector<model::Contact>& contacts) {
+                        std::vector<brick::Contact>& contacts) {
   const Vector3 normal = planeNormal(plane, a, b);
   int nearestA = 0;
   int nearestB = 0;
-  model::Contact contact{brickA, brickB, farthest(a, -normal, nearestA),
+  brick::Contact contact{brickA, brickB, farthest(a, -normal, nearestA),
                          farthest(b, normal, nearestB), b.outline->directions[plane.b]};
   contact.isEdge = true;
   contact.edgeA = plane.sign * a.outline->directions[plane.a];
@@ -1119,7 +1119,7 @@ void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
 
 }  // namespace
 
-Outline makeOutline(const model::Brick& brick, bool planar) {
+Outline makeOutline(const brick::Brick& brick, bool planar) {
   Outline outline;
   const int count = static_cast<int>(brick.bottom.size());
   outline.points = brick.bottom;
@@ -1216,7 +1216,7 @@ bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const Placed
 
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
-                         std::vector<model::Contact>& contacts) {
+                         std::vector<brick::Contact>& contacts) {
   switch (plane.kind) {
     case Kind::FaceOfA:
       return appendFaceContacts(brickB, brickA, plane.a, *b.outline, *a.outline, contacts);
@@ -1297,7 +1297,7 @@ PlacedEdge edgeOf(const PlacedOutline& placed, int from, int to) {
 class RegionMaker {
  public:
   RegionMaker(int brickA, int brickB, const Vector3& normal, double closest,
-              std::vector<model::Contact>& contacts)
+              std::vector<brick::Contact>& contacts)
       : brickA_(brickA), brickB_(brickB), normal_(normal), closest_(closest), contacts_(contacts) {}
 
   /// Corners of one face that lie over the other.
@@ -1322,14 +1322,14 @@ class RegionMaker {
     if (across.norm() <= kNoCrossing * a.edge.norm() * b.edge.norm()) return;
     const auto [onA, onB] = nearestOnLines(a.from, a.edge, b.from, b.edge);
     if (onA < 0 || onA > 1 || onB < 0 || onB > 1) return;
-    model::Contact contact{brickA_, brickB_, a.ownFrom, b.ownFrom, b.ownEdge.normalized()};
+    brick::Contact contact{brickA_, brickB_, a.ownFrom, b.ownFrom, b.ownEdge.normalized()};
     contact.isEdge = true;
     contact.edgeA = (across.dot(normal_) > 0 ? 1 : -1) * a.ownEdge.normalized();
     add(a.from + onA * a.edge, contact);
   }
 
  private:
-  model::Contact onFace(const Vector3& ownPoint, const PlacedFace& face, bool isOfA) const {
+  brick::Contact onFace(const Vector3& ownPoint, const PlacedFace& face, bool isOfA) const {
     const Outline& outline = *face.placed.outline;
     return {isOfA ? brickA_ : brickB_, isOfA ? brickB_ : brickA_, ownPoint,
             outline.points[outline.facePoints[face.number]], outline.normals[face.number]};
@@ -1350,7 +1350,7 @@ class RegionMaker {
     add(point, onFace(ofA.ownFrom + onA * ofA.ownEdge, b, true));
   }
 
-  void add(const Vector3& place, model::Contact contact) {
+  void add(const Vector3& place, brick::Contact contact) {
     const bool isKnown = std::ranges::any_of(
         places_, [&](const Vector3& other) { return (place - other).norm() <= closest_; });
     if (isKnown) return;
@@ -1362,7 +1362,7 @@ class RegionMaker {
   int brickA_, brickB_;
   const Vector3& normal_;
   double closest_;
-  std::vector<model::Contact>& contacts_;
+  std::vector<brick::Contact>& contacts_;
   std::vector<Vector3> places_;
 };
 
@@ -1395,7 +1395,7 @@ double insideEdge(const PlacedOutline& placed, const Vector3& ownCorner, const V
 
 void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, int brickA,
                           int brickB, const PlacedOutline& a, const PlacedOutline& b,
-                          std::vector<model::Contact>& contacts) {
+                          std::vector<brick::Contact>& contacts) {
   const PlacedFace faceA = faceAlong(a, -normal), faceB = faceAlong(b, normal);
   RegionMaker region(brickA, brickB, normal, kOneCorner * (a.points[1] - a.points[0]).norm(),
                      contacts);
@@ -1414,12 +1414,12 @@ void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, i
   }
 }
 
-double insideBorders(const model::Contact& ofBricks, const PlacedOutline& a,
+double insideBorders(const brick::Contact& ofBricks, const PlacedOutline& a,
                      const PlacedOutline& b) {
-  model::Contact contact = ofBricks;
+  brick::Contact contact = ofBricks;
   contact.brickA = 0;
   contact.brickB = 1;
-  const auto [onA, onB] = model::contactPoints(contact, {a.pose, b.pose});
+  const auto [onA, onB] = brick::contactPoints(contact, {a.pose, b.pose});
   if (contact.isEdge) {
     return std::min(insideEdge(a, contact.pointA, a.pose.rotation * contact.edgeA, onA),
                     insideEdge(b, contact.pointB, b.pose.rotation * contact.normal, onB));
@@ -1488,11 +1488,11 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
   return within.distance <= 0 ? within : nearest;
 }
 
-SpherePair::SpherePair(int brick, int sphere, const model::Brick& shape, double radius,
+SpherePair::SpherePair(int brick, int sphere, const brick::Brick& shape, double radius,
                        double tolerance)
     : brick_(brick),
       sphere_(sphere),
-      faces_(model::brickFaces(shape)),
+      faces_(brick::brickFaces(shape)),
       radius_(radius),
       tolerance_(tolerance) {}
 
@@ -1505,9 +1505,9 @@ double SpherePair::overlap(const Pose& brick, const Vector3& centre) const {
 }
 
 // The contact of the nearest feature at a pose. The step keeps it.
-model::Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
+brick::Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
   const NearestPoint near = nearest(brick, centre);
-  model::Contact contact;
+  brick::Contact contact;
   if (near.isOnFace) {
     contact.brickA = sphere_;
     contact.brickB = brick_;
@@ -1526,7 +1526,7 @@ model::Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) c
 }
 
 double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vector3& centre,
-                                  long step, std::vector<model::Contact>& contacts) {
+                                  long step, std::vector<brick::Contact>& contacts) {
   const double deep = overlap(end, centre);
   if (deep <= tolerance_) return 0;
   if (givenStep_ != step) given_.clear();
@@ -1534,7 +1534,7 @@ double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vect
   // The first contact is of the nearest feature at the start. If the overlap remains with it, the
   // nearest feature at the end is another one.
   for (const Pose* pose : {&start, &end}) {
-    const model::Contact contact = contactAt(*pose, centre);
+    const brick::Contact contact = contactAt(*pose, centre);
     if (std::find(given_.begin(), given_.end(), contact) != given_.end()) continue;
     given_.push_back(contact);
     contacts.push_back(contact);

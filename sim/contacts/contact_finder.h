@@ -9,8 +9,8 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/scene.h"
 
@@ -24,14 +24,14 @@ namespace kirireel::contacts {
 double motionBound(const Pose& from, const Pose& to, double radius);
 
 /// The distance of a brick's farthest point from its centre of mass, metres.
-double outerRadius(const model::Brick& brick);
+double outerRadius(const brick::Brick& brick);
 
 /// Bullet's dynamic tree of boxes that are wider than their bricks by a margin. A box changes only
 /// after its brick has moved by the margin.
 class NearPairs {
  public:
   /// `bricks` must outlive this.
-  explicit NearPairs(const std::vector<model::Brick>& bricks);
+  explicit NearPairs(const std::vector<brick::Brick>& bricks);
   ~NearPairs();
 
   /// Updates the boxes after a move. Returns whether the pairs were found again.
@@ -76,25 +76,25 @@ enum class FaceContact {
 ///
 /// There are no margins: contacts are exact to `tolerance`. Bricks that overlap in the model may
 /// keep that overlap, but it must not grow.
-class ContactFinder : public model::ContactSource {
+class ContactFinder : public brick::ContactSource {
  public:
   /// `tolerance`: overlap in metres that is ignored. `planar`: only outlines collide. `pivots`
   /// lists the joined bricks. `bricks` are copied. One pose per brick; obstacles are the
   /// environment's.
-  ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
-                std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  ContactFinder(const std::vector<brick::Brick>& bricks, const Poses& start,
+                std::span<const brick::Pivot> pivots, const scene::Environment& environment,
                 bool planar, double tolerance, FaceContact faces = FaceContact::Region);
   ~ContactFinder() override;
 
   void startStep(const Poses& start) override;
-  double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
-  bool isCurrent(const model::Contact& contact) const override;
-  void appendRegion(const model::Contact& contact, std::vector<model::Contact>& contacts) override;
+  double appendViolated(const Poses& end, std::vector<brick::Contact>& contacts) override;
+  bool isCurrent(const brick::Contact& contact) const override;
+  void appendRegion(const brick::Contact& contact, std::vector<brick::Contact>& contacts) override;
   double pairsExamined() const override;
 
   /// Distance of a region's corner from the borders of both bricks at these poses, metres; > 0
   /// inside. Infinity for other contacts.
-  double insideBorders(const model::Contact& contact, const Poses& ofBricks) const;
+  double insideBorders(const brick::Contact& contact, const Poses& ofBricks) const;
 
   /// A brick that overlaps an obstacle at these start poses: it could not be removed without a
   /// discontinuity. Call it before the first step.
@@ -124,7 +124,7 @@ struct Outline {
 };
 
 /// `brick` is convex. O(n^2) in its corners, for the directions of its edges.
-Outline makeOutline(const model::Brick& brick, bool planar);
+Outline makeOutline(const brick::Brick& brick, bool planar);
 
 /// An outline at a pose, in world axes.
 struct PlacedOutline {
@@ -177,7 +177,7 @@ bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const Placed
 /// along the normal of two edges.
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
-                         std::vector<model::Contact>& contacts);
+                         std::vector<brick::Contact>& contacts);
 
 /// The contacts at the corners of the polygon in which a face of A overlaps one of B, both nearly
 /// across `normal`, a unit vector from B towards A. Without such faces, if `edges` is not null, the
@@ -185,10 +185,10 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
 /// for faces of n and m corners.
 void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, int brickA,
                           int brickB, const PlacedOutline& a, const PlacedOutline& b,
-                          std::vector<model::Contact>& contacts);
+                          std::vector<brick::Contact>& contacts);
 
 /// See ContactFinder::insideBorders(). `a` and `b` are the contact's own bricks.
-double insideBorders(const model::Contact& contact, const PlacedOutline& a, const PlacedOutline& b);
+double insideBorders(const brick::Contact& contact, const PlacedOutline& a, const PlacedOutline& b);
 
 // ------------------------------------------------------------------------------------------------
 // A pair of bricks that may touch: its separating plane from step to step, and its contacts.
@@ -252,16 +252,16 @@ class BrickPair {
   /// the move, metres. `step` numbers the step: a plane's contacts are appended once per step.
   /// Costs a bound on the motion for pairs that are far apart, one plane for most others, all
   /// planes (some dozens of products) else.
-  double appendViolated(const PairMove& move, long step, std::vector<model::Contact>& contacts);
+  double appendViolated(const PairMove& move, long step, std::vector<brick::Contact>& contacts);
 
   /// Whether a contact of this pair still holds at the start of a step: its point touches the other
   /// brick's face, or no other face separates the two.
-  bool isCurrent(const model::Contact& contact, const Pose& startOfB) const;
+  bool isCurrent(const brick::Contact& contact, const Pose& startOfB) const;
   /// See ContactSource::appendRegion().
-  void appendRegion(const model::Contact& contact, const Pose& startOfB,
-                    std::vector<model::Contact>& contacts) const;
+  void appendRegion(const brick::Contact& contact, const Pose& startOfB,
+                    std::vector<brick::Contact>& contacts) const;
   /// See ContactFinder::insideBorders().
-  double insideBorders(const model::Contact& contact, const Pose& poseOfB) const;
+  double insideBorders(const brick::Contact& contact, const Pose& poseOfB) const;
 
   /// State that the next step needs from earlier steps.
   void transfer(StateTape& tape) { tape.transfer(slack_, last_, checkedPose_, clearance_); }
@@ -269,20 +269,20 @@ class BrickPair {
  private:
   const Outline& outlineB() const { return b_.shape->outline; }
   const PlacedOutline& placedA() const { return a_.shape->placed; }
-  bool touches(const model::Contact& contact, const PlacedOutline& placedB) const;
-  bool isApartOtherwise(const model::Contact& contact, const PlacedOutline& placedB) const;
+  bool touches(const brick::Contact& contact, const PlacedOutline& placedB) const;
+  bool isApartOtherwise(const brick::Contact& contact, const PlacedOutline& placedB) const;
   bool isSurelyApart(const PairMove& move) const;
   bool lastPlaneHolds();
   double separationAtStart(const SeparatingPlane& plane) const;
   double separationAtEnd(const SeparatingPlane& plane) const;
   double bestSeparationAtStart() const;
   bool isSeparatedInTurn(const PairMove& move) const;
-  Vector3 normalOf(const model::Contact& contact, const PlacedOutline& placedB) const;
-  void finishContacts(std::vector<model::Contact>& contacts) const;
-  void keepNew(std::vector<model::Contact>& contacts) const;
+  Vector3 normalOf(const brick::Contact& contact, const PlacedOutline& placedB) const;
+  void finishContacts(std::vector<brick::Contact>& contacts) const;
+  void keepNew(std::vector<brick::Contact>& contacts) const;
   bool canGive(const SeparatingPlane& plane, long step);
   const SeparatingPlane* planeToGive(long step);
-  void givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts);
+  void givePlane(const SeparatingPlane& plane, std::vector<brick::Contact>& contacts);
 
   OutlinedPiece a_, b_;
   PairScratch& scratch_;
@@ -295,7 +295,7 @@ class BrickPair {
   Pose checkedPose_;                    // B's pose at that check
   double clearance_;                    // the separation at that check
   std::vector<SeparatingPlane> given_;  // whose contacts were appended in this step
-  std::vector<model::Contact> corners_;  // of regions, appended in this step
+  std::vector<brick::Contact> corners_;  // of regions, appended in this step
   long givenStep_ = -1;
 };
 
@@ -320,7 +320,7 @@ class SpherePair {
  public:
   /// Numbers of the brick and of the sphere's body, whose origin is the centre. `tolerance`:
   /// overlap in metres that is ignored.
-  SpherePair(int brick, int sphere, const model::Brick& shape, double radius, double tolerance);
+  SpherePair(int brick, int sphere, const brick::Brick& shape, double radius, double tolerance);
 
   /// The number of the brick.
   int brick() const { return brick_; }
@@ -334,17 +334,17 @@ class SpherePair {
   /// in a step appends that of the feature that is nearest at the end. Returns the overlap at the
   /// end.
   double appendViolated(const Pose& start, const Pose& end, const Vector3& centre, long step,
-                        std::vector<model::Contact>& contacts);
+                        std::vector<brick::Contact>& contacts);
 
  private:
   NearestPoint nearest(const Pose& brick, const Vector3& centre) const;
-  model::Contact contactAt(const Pose& brick, const Vector3& centre) const;
+  brick::Contact contactAt(const Pose& brick, const Vector3& centre) const;
 
   int brick_, sphere_;
   std::vector<std::vector<Vector3>> faces_;
   double radius_;
   double tolerance_;
-  std::vector<model::Contact> given_;  // in this step
+  std::vector<brick::Contact> given_;  // in this step
   long givenStep_ = -1;
 };
 

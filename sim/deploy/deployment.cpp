@@ -58,7 +58,7 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
 }
 
 /// With dynamics, tiles only bend between their parts: nothing stretches.
-void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpring>& springs) {
+void requireBending(const scene::Scene& scene, const std::vector<brick::HingeSpring>& springs) {
   if (!scene.hinges.panels) return;
   if (scene::sceneNeeds(scene).planar.on) {
     throw InputError("error: bending tiles leave their plane. Remove `planar = on` or `panels`");
@@ -91,10 +91,10 @@ void requireSense(const scene::Scene& scene, double sampleInterval) {
   requireInTime(scene.timeline, scene.stop.duration);
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   // Invalid input must throw here, before a search that may take minutes.
   if (scene.grips.empty()) {
-    requireBending(scene, model::hingeSpringsOf(scene::dynamicTies(scene, bricks).pairForces));
+    requireBending(scene, brick::hingeSpringsOf(scene::dynamicTies(scene, bricks).pairForces));
   } else {
     static_cast<void>(scene::hingeSprings(scene, bricks));
   }
@@ -266,7 +266,7 @@ constexpr double kFinerStep = 0.1;
 constexpr double kSameSample = 1e-9;
 
 /// The largest distance of a vertex (top or bottom) between two states, metres.
-double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, const Poses& b) {
+double farthestVertex(const std::vector<brick::Brick>& bricks, const Poses& a, const Poses& b) {
   double largest = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     for (const auto* face : {&bricks[i].bottom, &bricks[i].top}) {
@@ -314,7 +314,7 @@ run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice
   finer.solver.tolerance *= kFinerShare;
   const StepReport& took = result.cost.took;
   if (took.touchingTime + took.singularTime > 0) finer.solver.timestep *= kFinerStep;
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   double largest = 0;
   std::size_t next = 0;
   const auto compare = [&](const trajectory::Sample& sample) {
@@ -362,10 +362,10 @@ class OverlapWatch {
  public:
   explicit OverlapWatch(const scene::Scene& scene)
       : filter_(scene.environment.contacts),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
         meter_(run::overlapMeter(scene.environment, bricks_, pivots_,
-                                 model::startPoses(scene.model.tiles, bricks_))) {}
+                                 brick::startPoses(scene.model.tiles, bricks_))) {}
 
   /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
   void observe(const Poses& poses) {
@@ -381,8 +381,8 @@ class OverlapWatch {
 
  private:
   scene::ContactFilter filter_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   trajectory::PenetrationMeter meter_;
   double grown_ = 0;
 };

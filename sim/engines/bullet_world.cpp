@@ -42,7 +42,7 @@ struct PrincipalAxes {
 };
 
 /// The principal axes of a brick, right-handed.
-PrincipalAxes principalAxes(const model::Brick& brick) {
+PrincipalAxes principalAxes(const brick::Brick& brick) {
   // Eigenvectors are orthonormal but may be left-handed, unlike a rotation.
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
   Matrix3 axes = solver.eigenvectors();
@@ -81,7 +81,7 @@ SolverParts makeSolver(BulletMethod method) {
   return made;
 }
 
-std::unique_ptr<btConvexHullShape> makeHull(const model::Brick& brick, const PrincipalAxes& axes) {
+std::unique_ptr<btConvexHullShape> makeHull(const brick::Brick& brick, const PrincipalAxes& axes) {
   // A body's axes are the principal axes of the brick. Points are rotated to them.
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
@@ -156,28 +156,28 @@ struct BulletWorld::Internals {
   std::vector<std::unique_ptr<btTypedConstraint>> joints;
   std::optional<KirigamiWorld> world;
 
-  void addShape(const model::Brick& brick, const PrincipalAxes& principal);
-  void addBrick(const model::Brick& brick, const scene::Environment& environment);
-  void addPivot(const model::Pivot& pivot, const scene::Environment& environment);
+  void addShape(const brick::Brick& brick, const PrincipalAxes& principal);
+  void addBrick(const brick::Brick& brick, const scene::Environment& environment);
+  void addPivot(const brick::Pivot& pivot, const scene::Environment& environment);
   void addGround(const scene::Ground& ground);
   void placeBodies();
 };
 
 /// A hull, or for a concave brick one shape of several hulls, which do not collide with each other.
-void BulletWorld::Internals::addShape(const model::Brick& brick, const PrincipalAxes& principal) {
+void BulletWorld::Internals::addShape(const brick::Brick& brick, const PrincipalAxes& principal) {
   if (brick.parts.empty()) {
     shapes.push_back(makeHull(brick, principal));
     return;
   }
   auto whole = std::make_unique<btCompoundShape>();
-  for (const model::BrickPiece& piece : model::convexPieces(brick)) {
+  for (const brick::BrickPiece& piece : brick::convexPieces(brick)) {
     shapes.push_back(makeHull(piece.shape, principal));
     whole->addChildShape(btTransform::getIdentity(), shapes.back().get());
   }
   shapes.push_back(std::move(whole));
 }
 
-void BulletWorld::Internals::addBrick(const model::Brick& brick,
+void BulletWorld::Internals::addBrick(const brick::Brick& brick,
                                       const scene::Environment& environment) {
   const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
   addShape(brick, principal);
@@ -194,7 +194,7 @@ void BulletWorld::Internals::addBrick(const model::Brick& brick,
                       touchesBricks ? kBrickGroup | kGroundGroup : kGroundGroup);
 }
 
-void BulletWorld::Internals::addPivot(const model::Pivot& pivot,
+void BulletWorld::Internals::addPivot(const brick::Pivot& pivot,
                                       const scene::Environment& environment) {
   const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
   const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
@@ -223,8 +223,8 @@ void BulletWorld::Internals::placeBodies() {
   }
 }
 
-BulletWorld::BulletWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-                         std::span<const model::Pivot> pivots,
+BulletWorld::BulletWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+                         std::span<const brick::Pivot> pivots,
                          const scene::Environment& environment, const BulletSettings& settings)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
@@ -238,9 +238,9 @@ BulletWorld::BulletWorld(const std::vector<model::Brick>& bricks, const Poses& s
   in.world->getSolverInfo().m_numIterations = settings.iterations;
   in.world->getSolverInfo().m_erp = settings.jointCorrection;
   in.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
-  for (const model::Brick& brick : bricks) in.addBrick(brick, environment);
+  for (const brick::Brick& brick : bricks) in.addBrick(brick, environment);
   in.placeBodies();
-  for (const model::Pivot& pivot : pivots) in.addPivot(pivot, environment);
+  for (const brick::Pivot& pivot : pivots) in.addPivot(pivot, environment);
   if (environment.ground) in.addGround(*environment.ground);
 }
 
@@ -317,11 +317,11 @@ struct MultiBodyWorld::Internals {
   std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints;
   std::optional<UntouchedWorld> world;
 
-  void addBrick(const model::Brick& brick, const scene::Environment& environment);
-  void addPivot(const model::Pivot& pivot);
+  void addBrick(const brick::Brick& brick, const scene::Environment& environment);
+  void addPivot(const brick::Pivot& pivot);
 };
 
-void MultiBodyWorld::Internals::addBrick(const model::Brick& brick,
+void MultiBodyWorld::Internals::addBrick(const brick::Brick& brick,
                                          const scene::Environment& environment) {
   const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
   btMultiBody& body = *bodies.emplace_back(
@@ -340,7 +340,7 @@ void MultiBodyWorld::Internals::addBrick(const model::Brick& brick,
   world->addCollisionObject(&collider, 0, 0);
 }
 
-void MultiBodyWorld::Internals::addPivot(const model::Pivot& pivot) {
+void MultiBodyWorld::Internals::addPivot(const brick::Pivot& pivot) {
   const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
   const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
   btMultiBodyPoint2Point& joint = *joints.emplace_back(std::make_unique<btMultiBodyPoint2Point>(
@@ -350,17 +350,17 @@ void MultiBodyWorld::Internals::addPivot(const model::Pivot& pivot) {
   world->addMultiBodyConstraint(&joint);
 }
 
-MultiBodyWorld::MultiBodyWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-                               std::span<const model::Pivot> pivots,
+MultiBodyWorld::MultiBodyWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+                               std::span<const brick::Pivot> pivots,
                                const scene::Environment& environment, int iterations)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.world.emplace(&in.dispatcher, &in.broadphase, &in.solver, &in.configuration);
   in.world->setGravity(toBullet(environment.gravity));
   in.world->getSolverInfo().m_numIterations = iterations;
-  for (const model::Brick& brick : bricks) in.addBrick(brick, environment);
+  for (const brick::Brick& brick : bricks) in.addBrick(brick, environment);
   writeMotion({start, std::vector<Velocity>(bricks.size())});
-  for (const model::Pivot& pivot : pivots) in.addPivot(pivot);
+  for (const brick::Pivot& pivot : pivots) in.addPivot(pivot);
 }
 
 MultiBodyWorld::~MultiBodyWorld() {
@@ -420,7 +420,7 @@ constexpr double kMarginOfThickness = 0.2;  // three fifths of the thickness rem
 constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
 
 /// Displacement of each vertex of the bottom in the plane for a unit inset of the edges.
-std::vector<Vector3> insetDirections(const model::Brick& brick) {
+std::vector<Vector3> insetDirections(const brick::Brick& brick) {
   const std::size_t count = brick.bottom.size();
   std::vector<Vector3> inwards(count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -437,7 +437,7 @@ std::vector<Vector3> insetDirections(const model::Brick& brick) {
 }
 
 // The requested margin, or less if an edge would become too short.
-double marginFor(const model::Brick& brick, const std::vector<Vector3>& directions) {
+double marginFor(const brick::Brick& brick, const std::vector<Vector3>& directions) {
   double margin = std::min(kLargestMargin, kMarginOfThickness * brick.thickness);
   const std::size_t count = brick.bottom.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -452,15 +452,15 @@ double marginFor(const model::Brick& brick, const std::vector<Vector3>& directio
 
 }  // namespace
 
-double contactMargin(const model::Brick& brick) {
+double contactMargin(const brick::Brick& brick) {
   double margin = 0;
-  for (const model::BrickPiece& piece : model::convexPieces(brick)) {
+  for (const brick::BrickPiece& piece : brick::convexPieces(brick)) {
     margin = std::max(margin, insetHull(piece.shape).margin);
   }
   return margin;
 }
 
-InsetHull insetHull(const model::Brick& brick) {
+InsetHull insetHull(const brick::Brick& brick) {
   const std::vector<Vector3> directions = insetDirections(brick);
   InsetHull hull;
   hull.margin = marginFor(brick, directions);
@@ -486,9 +486,9 @@ constexpr double kMargins = 4;
 constexpr double kEdges = 0.05;
 
 // The larger of the two limits, metres.
-double zoneRadius(const model::Brick& a, const model::Brick& b) {
+double zoneRadius(const brick::Brick& a, const brick::Brick& b) {
   const double margin = std::max(contactMargin(a), contactMargin(b));
-  return std::max(kMargins * margin, kEdges * 0.5 * (model::meanEdge(a) + model::meanEdge(b)));
+  return std::max(kMargins * margin, kEdges * 0.5 * (brick::meanEdge(a) + brick::meanEdge(b)));
 }
 
 // A segment without length is a point.
@@ -502,14 +502,14 @@ double distanceToSegment(const Vector3& point, const Vector3& from, const Vector
 
 }  // namespace
 
-PivotZones::PivotZones(const std::vector<model::Brick>& bricks,
-                       std::span<const model::Pivot> pivots) {
-  for (const model::Pivot& pivot : pivots) {
+PivotZones::PivotZones(const std::vector<brick::Brick>& bricks,
+                       std::span<const brick::Pivot> pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     if (pivot.distance == 0) add(bricks, pivot);
   }
 }
 
-void PivotZones::add(const std::vector<model::Brick>& bricks, const model::Pivot& pivot) {
+void PivotZones::add(const std::vector<brick::Brick>& bricks, const brick::Pivot& pivot) {
   const bool swapped = pivot.brickB < pivot.brickA;
   const std::pair<int, int> pair = std::minmax(pivot.brickA, pivot.brickB);
   const Vector3& point = swapped ? pivot.pointB : pivot.pointA;

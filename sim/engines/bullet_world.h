@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
 #include "sim/engines/brick_world.h"
-#include "sim/model/brick.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::engines {
@@ -39,8 +39,8 @@ class BulletWorld : public BrickWorld {
  public:
   /// The environment gives gravity, damping, contacts and ground.
   /// Poses are those of the centres of mass. All lists are in the order of the bricks.
-  BulletWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-              std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  BulletWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+              std::span<const brick::Pivot> pivots, const scene::Environment& environment,
               const BulletSettings& settings);
   ~BulletWorld() override;
   BulletWorld(const BulletWorld&) = delete;
@@ -68,8 +68,8 @@ std::string bulletVersion();
 class MultiBodyWorld : public BrickWorld {
  public:
   /// `iterations` of the solver in each step; the environment gives gravity and damping.
-  MultiBodyWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  MultiBodyWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+                 std::span<const brick::Pivot> pivots, const scene::Environment& environment,
                  int iterations);
   ~MultiBodyWorld() override;
 
@@ -98,10 +98,10 @@ struct InsetHull {
 /// edge loses more than half of its length.
 /// The brick is convex.
 /// Throws nothing; O(n) in its corners.
-InsetHull insetHull(const model::Brick& brick);
+InsetHull insetHull(const brick::Brick& brick);
 
 /// The largest margin of a brick's convex pieces, metres.
-double contactMargin(const model::Brick& brick);
+double contactMargin(const brick::Brick& brick);
 
 // ------------------------------------------------------------------------------------------------
 // Zones around joints, in which contacts are ignored.
@@ -111,7 +111,7 @@ double contactMargin(const model::Brick& brick);
 class PivotZones {
  public:
   /// Links have no zone, since their corners are apart.
-  PivotZones(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots);
+  PivotZones(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots);
 
   /// Whether a contact point of two bricks, in world axes, is within max(4 margins, 0.05 mean
   /// edges) of a pivot that they share, or of the line between both pivots of a hinge.
@@ -125,7 +125,7 @@ class PivotZones {
     int joint = 0;
   };
 
-  void add(const std::vector<model::Brick>& bricks, const model::Pivot& pivot);
+  void add(const std::vector<brick::Brick>& bricks, const brick::Pivot& pivot);
 
   std::map<std::pair<int, int>, std::vector<Zone>> zones_;  // keys: lower brick index first
 };

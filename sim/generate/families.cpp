@@ -19,12 +19,12 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
+#include "sim/formats/joint_faces.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/shells.h"
 #include "sim/generate/tiling.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
-#include "sim/model/model_checks.h"
 #include "sim/trajectory/sheet.h"
 
 namespace kirireel::generate {
@@ -62,22 +62,22 @@ FamilyParameter targetAngle(double defaultValue, double most = 180) {
   return angle("target-angle", "between neighbours at the target", defaultValue, 0, most);
 }
 
-model::Lattice latticeOf(const FamilyValues& values) {
+Lattice latticeOf(const FamilyValues& values) {
   return {values.whole("columns"), values.whole("rows")};
 }
 
 // A sheet of quads in two states of its field.
-model::Model fieldModel(const model::TurningField& field, const FamilyValues& values) {
+model::Model fieldModel(const TurningField& field, const FamilyValues& values) {
   model::Model model;
   // Both states come from the same constants, so they are congruent up to rounding.
   model.tiles = field.tiles(values.angle("start-angle"));
   model.target = field.tiles(values.angle("target-angle"));
-  model.joints = model::latticeJoints(field.lattice(), model::JointFace::Both);
+  model.joints = latticeJoints(field.lattice(), model::JointFace::Both);
   return model;
 }
 
 model::Model tessellationModel(const FamilyValues& values) {
-  model::TessellationShape shape;
+  TessellationShape shape;
   shape.columns = values.whole("columns");
   shape.rows = values.whole("rows");
   shape.length = values.number("length");
@@ -85,7 +85,7 @@ model::Model tessellationModel(const FamilyValues& values) {
   shape.skew = values.angle("skew");
   shape.startAngle = values.angle("start-angle");
   shape.targetAngle = values.angle("target-angle");
-  return model::makeTessellation(shape);
+  return makeTessellation(shape);
 }
 
 model::Model fanModel(const FamilyValues& values) {
@@ -135,7 +135,7 @@ model::Model nonrigidModel(const FamilyValues& values) {
   // angle.
   (*model.target)[1] = turned(model.tiles[1], leftTip, 2 * std::atan2(depth, left));
   (*model.target)[3] = turned(model.tiles[3], rightTip, -2 * std::atan2(depth, right));
-  model.joints = model::latticeJoints({2, 2}, model::JointFace::Both);
+  model.joints = latticeJoints({2, 2}, model::JointFace::Both);
   return model;
 }
 
@@ -283,10 +283,10 @@ std::vector<SidePoint> armedSide(double width, double depth) {
 }
 
 /// Marks the tiles of a lattice that turn in the same direction as the first.
-std::vector<bool> evenTiles(const model::Lattice& lattice) {
+std::vector<bool> evenTiles(const Lattice& lattice) {
   std::vector<bool> even;
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
-    even.push_back(model::isEven(lattice.cellOf(tile)));
+    even.push_back(isEven(lattice.cellOf(tile)));
   }
   return even;
 }
@@ -314,13 +314,13 @@ FamilyParameter depth(double defaultValue, double least, double most) {
 }
 
 model::Model squares(const FamilyValues& values) {
-  model::TessellationShape shape;
+  TessellationShape shape;
   shape.columns = values.whole("columns");
   shape.rows = values.whole("rows");
   shape.length = shape.width = values.number("length");
   shape.startAngle = values.angle("start-angle");
   shape.targetAngle = values.angle("target-angle");
-  return model::makeTessellation(shape);
+  return makeTessellation(shape);
 }
 
 void appendConcave(std::vector<Family>& all) {
@@ -518,7 +518,7 @@ const Family& familyNamed(const std::string& name) {
 model::Model generateModel(const Family& family, const std::map<std::string, double>& given) {
   model::Model model = family.make(checkedValues(family, given));
   model.name = family.name;
-  model::chooseJointFaces(model, model::FaceRule::Fold);
+  formats::chooseJointFaces(model, formats::FaceRule::Fold);
   model::symmetrise(model);  // a fit has the symmetries only within its own tolerance
   const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;

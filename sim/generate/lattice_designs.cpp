@@ -31,8 +31,8 @@ namespace {
 
 using std::numbers::pi;
 
-model::TurningField unitField(const model::Lattice& lattice) {
-  return model::regularField(lattice, 1, model::Complex(0, 1));
+TurningField unitField(const Lattice& lattice) {
+  return regularField(lattice, 1, Complex(0, 1));
 }
 
 // A fit that fulfils its exact equations; throws InputError otherwise.
@@ -46,7 +46,7 @@ Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorX
                   family, fit.violation));
 }
 
-std::vector<TileBlock> allBlocks(const model::Lattice& lattice) {
+std::vector<TileBlock> allBlocks(const Lattice& lattice) {
   std::vector<TileBlock> blocks = innerBlocks(lattice);
   for (const auto& more : {sideBlocksClosedAtStart(lattice), sideBlocksClosedAtEnd(lattice)}) {
     blocks.insert(blocks.end(), more.begin(), more.end());
@@ -55,33 +55,32 @@ std::vector<TileBlock> allBlocks(const model::Lattice& lattice) {
 }
 
 void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
-                      const model::TurningField& field, const std::vector<TileBlock>& blocks,
+                      const TurningField& field, const std::vector<TileBlock>& blocks,
                       const Eigen::VectorXd& values) {
   for (const TileBlock& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
 }
 
 // Both coordinates of a corner in the state at `angle`.
-void addDesiredPoint(EquationRows& rows, const LatticeUnknowns& unknowns,
-                     const model::TurningField& field, const LatticeCorner& corner, double angle,
-                     model::Complex point) {
+void addDesiredPoint(EquationRows& rows, const LatticeUnknowns& unknowns, const TurningField& field,
+                     const LatticeCorner& corner, double angle, Complex point) {
   unknowns.addPosition(rows, field, corner, angle, 1, point.real());
-  unknowns.addPosition(rows, field, corner, angle, model::Complex(0, 1), point.imag());
+  unknowns.addPosition(rows, field, corner, angle, Complex(0, 1), point.imag());
 }
 
 /// A corner and its desired position.
 struct DesiredPoint {
   LatticeCorner corner;
-  model::Complex point;
+  Complex point;
 };
 
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
 /// desired points. All equations are linear, so the fit is one step.
-model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
-                                 double angle, const std::vector<DesiredPoint>& desired) {
+TurningField rhombicField(const std::string& family, const Lattice& lattice, double angle,
+                          const std::vector<DesiredPoint>& desired) {
   const LatticeUnknowns unknowns(lattice);
-  const model::TurningField zero(lattice);
+  const TurningField zero(lattice);
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const model::TurningField field = unknowns.field(values);
+    const TurningField field = unknowns.field(values);
     addRhombicBlocks(equations.exact, unknowns, field, allBlocks(lattice), values);
     for (const DesiredPoint& point : desired) {
       addDesiredPoint(equations.desired, unknowns, field, point.corner, angle, point.point);
@@ -99,16 +98,15 @@ model::TurningField rhombicField(const std::string& family, const model::Lattice
 
 /// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (divided by
 /// 8), anticlockwise from the lower tip for t in [0, 1].
-model::Complex heartPoint(double t) {
+Complex heartPoint(double t) {
   const double a = pi - 2 * pi * t;
   const double x = 16 * std::sin(a) * std::abs(std::sin(a));
   const double y = 13 * std::cos(a) - 5 * std::cos(2 * a) - 2 * std::cos(3 * a);
-  return model::Complex(x, y) / 8.0;
+  return Complex(x, y) / 8.0;
 }
 
 /// Equidistant points along a closed curve given over [0, 1].
-std::vector<model::Complex> evenPoints(const std::function<model::Complex(double)>& curve,
-                                       int count) {
+std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int count) {
   // This number of chords measures the curve to about 1e-8 of its length.
   constexpr int kPieces = 20000;
   std::vector<double> lengths{0};
@@ -116,7 +114,7 @@ std::vector<model::Complex> evenPoints(const std::function<model::Complex(double
     const double step = std::abs(curve((k + 1.0) / kPieces) - curve(double(k) / kPieces));
     lengths.push_back(lengths.back() + step);
   }
-  std::vector<model::Complex> points;
+  std::vector<Complex> points;
   for (int k = 0; k < count; ++k) {
     const double desired = lengths.back() * k / count;
     // Linear interpolation, which is accurate enough with this number of pieces.
@@ -129,7 +127,7 @@ std::vector<model::Complex> evenPoints(const std::function<model::Complex(double
 }
 
 /// Half the extent of a field's corners at an angle, along x and y, about the origin.
-model::Complex halfExtent(const model::TurningField& field, double angle) {
+Complex halfExtent(const TurningField& field, double angle) {
   double x = 0, y = 0;
   for (const model::Tile& tile : field.tiles(angle)) {
     for (const Vector3& vertex : tile.vertices) {
@@ -159,10 +157,10 @@ class RoundDesign {
   const LatticeUnknowns& unknowns() const { return unknowns_; }
   const std::vector<TileBlock>& blocks() const { return blocks_; }
   const std::vector<LatticeCorner>& tipCorners() const { return tips_; }
-  const model::Lattice& lattice() const { return lattice_; }
+  const Lattice& lattice() const { return lattice_; }
 
   /// Closed voids, and tips on the circle.
-  void addExact(EquationRows& rows, const model::TurningField& field,
+  void addExact(EquationRows& rows, const TurningField& field,
                 const Eigen::VectorXd& values) const {
     for (std::size_t k = 0; k < blocks_.size(); ++k) {
       unknowns_.addBlock(rows, field, blocks_[k], values, logarithm(k));
@@ -171,15 +169,15 @@ class RoundDesign {
     // A tip on the circle: its component along its current direction is the radius. Each round
     // updates the direction, so it finally is the position's own.
     for (const LatticeCorner& tip : tips_) {
-      const model::Complex position = field.corner(tip.cell, tip.corner, angle_);
-      const model::Complex outwards = position / std::abs(position);
+      const Complex position = field.corner(tip.cell, tip.corner, angle_);
+      const Complex outwards = position / std::abs(position);
       unknowns_.addPosition(rows, field, tip, angle_, outwards, values[radius()]);
       rows.slope(radius(), -1);
     }
   }
 
   // `firstRadius`: initial radius of the tips' circle, metres.
-  model::TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
+  TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
     const int further = static_cast<int>(blocks_.size()) + 1;
     Eigen::VectorXd start = unknowns_.pack(unitField(lattice_), further);
     start[radius()] = firstRadius;
@@ -190,7 +188,7 @@ class RoundDesign {
 
  private:
   std::string family_;
-  model::Lattice lattice_;
+  Lattice lattice_;
   LatticeUnknowns unknowns_;
   std::vector<TileBlock> blocks_;
   std::vector<TileBlock> sideBlocks_;
@@ -199,13 +197,13 @@ class RoundDesign {
 };
 
 /// The position of node k of the closed boundary on a square of half side h about the origin.
-model::Complex squarePoint(const model::Lattice& lattice, int node) {
+Complex squarePoint(const Lattice& lattice, int node) {
   const int size = lattice.columns;
   const double half = 0.5 * size;
   const int side = node / size;
   // Each further side is the bottom, rotated by a quarter turn.
-  const model::Complex onBottom(node % size - half, -half);
-  return onBottom * std::pow(model::Complex(0, 1), side);
+  const Complex onBottom(node % size - half, -half);
+  return onBottom * std::pow(Complex(0, 1), side);
 }
 
 /// Appends weight * (unknown - value).
@@ -214,7 +212,7 @@ void addValue(EquationRows& rows, int unknown, double found, double desired, dou
   rows.slope(unknown, weight);
 }
 
-std::vector<TileBlock> allSideBlocks(const model::Lattice& lattice) {
+std::vector<TileBlock> allSideBlocks(const Lattice& lattice) {
   std::vector<TileBlock> blocks = sideBlocksClosedAtStart(lattice);
   const std::vector<TileBlock> more = sideBlocksClosedAtEnd(lattice);
   blocks.insert(blocks.end(), more.begin(), more.end());
@@ -223,14 +221,14 @@ std::vector<TileBlock> allSideBlocks(const model::Lattice& lattice) {
 
 }  // namespace
 
-model::TurningField fanField(const FanShape& shape) {
-  const model::TurningField regular = unitField(shape.lattice);
-  const model::Complex half = halfExtent(regular, pi);
+TurningField fanField(const FanShape& shape) {
+  const TurningField regular = unitField(shape.lattice);
+  const Complex half = halfExtent(regular, pi);
   std::vector<DesiredPoint> desired;
   for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
     for (int k = 0; k < 4; ++k) {
-      const model::Cell cell = shape.lattice.cellOf(tile);
-      const model::Complex position = regular.corner(cell, k, pi);
+      const Cell cell = shape.lattice.cellOf(tile);
+      const Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
       // Only corners on the outline of the open sheet have desired positions. The inside follows
@@ -245,10 +243,10 @@ model::TurningField fanField(const FanShape& shape) {
   return rhombicField("fan", shape.lattice, pi, desired);
 }
 
-model::TurningField heartField(const model::Lattice& lattice) {
+TurningField heartField(const Lattice& lattice) {
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const int count = static_cast<int>(nodes.size());
-  const std::vector<model::Complex> points = evenPoints(heartPoint, count);
+  const std::vector<Complex> points = evenPoints(heartPoint, count);
   // The lower tip is in the middle of the left side. Nodes count from the bottom left. The left
   // side comes after bottom, right and top, and goes down.
   const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
@@ -259,14 +257,14 @@ model::TurningField heartField(const model::Lattice& lattice) {
   return rhombicField("heart", lattice, 0, desired);
 }
 
-model::TurningField squareToDiskField(int size) {
-  const model::Lattice lattice{size, size};
+TurningField squareToDiskField(int size) {
+  const Lattice lattice{size, size};
   const RoundDesign design("square-to-disk", size, pi, allSideBlocks(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
-  const model::TurningField regular = unitField(lattice);
+  const TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const model::TurningField field = unknowns.field(values);
+    const TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
     // Evenly spaced nodes: otherwise the tiles at the square's corners collapse.
     for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -277,7 +275,7 @@ model::TurningField squareToDiskField(int size) {
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
       // Voids alternate between narrow and wide, about e^-0.8 and e^0.8.
-      const double desired = model::isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
+      const double desired = isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
       addValue(equations.desired, logarithm, values[logarithm], desired, 0.3);
     }
   };
@@ -286,23 +284,23 @@ model::TurningField squareToDiskField(int size) {
   return design.fit(source, 0.58 * size, 0.1);
 }
 
-model::TurningField squareToCircleField(int size) {
-  const model::Lattice lattice{size, size};
+TurningField squareToCircleField(int size) {
+  const Lattice lattice{size, size};
   const RoundDesign design("square-to-circle", size, pi / 2, sideBlocksClosedAtStart(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
-  const model::TurningField regular = unitField(lattice);
+  const TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
-  const model::Complex half = halfExtent(regular, pi / 2);
+  const Complex half = halfExtent(regular, pi / 2);
   const double radius = 1.15 * half.real();
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const model::TurningField field = unknowns.field(values);
+    const TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const int node = static_cast<int>(k);
-      const model::Complex point = squarePoint(lattice, node);
-      const model::Complex along = std::pow(model::Complex(0, 1), node / size);
-      const model::Complex across = along * model::Complex(0, -1);
-      const auto onSide = [&](model::Complex direction) {
+      const Complex point = squarePoint(lattice, node);
+      const Complex along = std::pow(Complex(0, 1), node / size);
+      const Complex across = along * Complex(0, -1);
+      const auto onSide = [&](Complex direction) {
         unknowns.addPosition(equations.exact, field, nodes[k], 0, direction, 0.5 * size);
       };
       onSide(across);
@@ -313,12 +311,12 @@ model::TurningField squareToCircleField(int size) {
     }
     // Tips are distributed around the circle by the map from square to disk.
     for (const LatticeCorner& tip : design.tipCorners()) {
-      const model::Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
+      const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
       const double u = box.real(), v = box.imag();
       // The square [-1, 1]^2 is mapped to the unit disk by (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)).
-      const model::Complex onDisk =
-          radius * model::Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
-      const model::Complex tangent = model::Complex(0, 1) * onDisk / std::abs(onDisk);
+      const Complex onDisk =
+          radius * Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
+      const Complex tangent = Complex(0, 1) * onDisk / std::abs(onDisk);
       unknowns.addPosition(equations.desired, field, tip, pi / 2, tangent, 0, 0.3);
     }
     unknowns.addConstants(equations.desired, field, regular, 0.05);
@@ -330,9 +328,8 @@ model::TurningField squareToCircleField(int size) {
   return design.fit(source, radius, 1e-2);
 }
 
-model::TurningField irregularField(const model::Lattice& lattice, double irregularity,
-                                   unsigned seed) {
-  const model::TurningField regular = unitField(lattice);
+TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed) {
+  const TurningField regular = unitField(lattice);
   std::mt19937 generator(seed);
   // The generator's integers are the same on every machine, unlike those of a distribution.
   const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
@@ -341,8 +338,8 @@ model::TurningField irregularField(const model::Lattice& lattice, double irregul
     // In two statements, because the evaluation order of arguments is unspecified.
     const double x = random();
     const double y = random();
-    const model::Complex place = regular.corner(node.cell, node.corner, 0);
-    desired.push_back({node, place + model::Complex(x, y)});
+    const Complex place = regular.corner(node.cell, node.corner, 0);
+    desired.push_back({node, place + Complex(x, y)});
   }
   return rhombicField("quads", lattice, 0, desired);
 }
@@ -361,12 +358,12 @@ model::TurningField irregularField(const model::Lattice& lattice, double irregul
 namespace {
 
 /// The inner product of two plane vectors.
-double scalarProduct(model::Complex a, model::Complex b) {
+double scalarProduct(Complex a, Complex b) {
   return (std::conj(a) * b).real();
 }
 
 // Diagonally outside positions, which no equation uses.
-bool isGhostCorner(const model::Lattice& lattice, const model::Cell& cell) {
+bool isGhostCorner(const Lattice& lattice, const Cell& cell) {
   const bool outsideColumns = cell.column < 0 || cell.column >= lattice.columns;
   const bool outsideRows = cell.row < 0 || cell.row >= lattice.rows;
   return outsideColumns && outsideRows;
@@ -374,18 +371,18 @@ bool isGhostCorner(const model::Lattice& lattice, const model::Cell& cell) {
 
 /// Half blocks with even lower left positions on the left and right sides and odd ones at the
 /// bottom and the top, or vice versa.
-std::vector<TileBlock> sideBlocks(const model::Lattice& lattice, bool evenAtLeftAndRight) {
+std::vector<TileBlock> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRight) {
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (const int row : {-1, lattice.rows - 1}) {
       // A block's parity is that of its lower left position. Bottom and top use the other parity,
       // since neighbouring sides have their mouths at different nodes.
-      if (model::isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
+      if (isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
   for (int row = 0; row + 1 < lattice.rows; ++row) {
     for (const int column : {-1, lattice.columns - 1}) {
-      if (model::isEven({column, row}) == evenAtLeftAndRight) blocks.push_back({{column, row}});
+      if (isEven({column, row}) == evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
   return blocks;
@@ -393,7 +390,7 @@ std::vector<TileBlock> sideBlocks(const model::Lattice& lattice, bool evenAtLeft
 
 }  // namespace
 
-std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice) {
+std::vector<LatticeCorner> closedBoundary(const Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
   std::vector<LatticeCorner> nodes;
@@ -405,13 +402,13 @@ std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice) {
 }
 
 // In the order of closedBoundary().
-std::vector<LatticeCorner> tips(const model::Lattice& lattice) {
+std::vector<LatticeCorner> tips(const Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
   std::vector<LatticeCorner> found;
-  const auto append = [&](const model::Cell& cell, int stepColumn, int stepRow) {
+  const auto append = [&](const Cell& cell, int stepColumn, int stepRow) {
     for (int k = 0; k < 4; ++k) {
-      const model::Cell beyond = model::cornerNeighbour(cell, k);
+      const Cell beyond = cornerNeighbour(cell, k);
       // A corner whose neighbour is outside has no joint.
       const bool isThere =
           beyond.column == cell.column + stepColumn && beyond.row == cell.row + stepRow;
@@ -425,7 +422,7 @@ std::vector<LatticeCorner> tips(const model::Lattice& lattice) {
   return found;
 }
 
-std::vector<TileBlock> innerBlocks(const model::Lattice& lattice) {
+std::vector<TileBlock> innerBlocks(const Lattice& lattice) {
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (int row = 0; row + 1 < lattice.rows; ++row) blocks.push_back({{column, row}});
@@ -433,15 +430,15 @@ std::vector<TileBlock> innerBlocks(const model::Lattice& lattice) {
   return blocks;
 }
 
-std::vector<TileBlock> sideBlocksClosedAtStart(const model::Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtStart(const Lattice& lattice) {
   return sideBlocks(lattice, true);
 }
 
-std::vector<TileBlock> sideBlocksClosedAtEnd(const model::Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice) {
   return sideBlocks(lattice, false);
 }
 
-Eigen::VectorXd LatticeUnknowns::pack(const model::TurningField& field, int further) const {
+Eigen::VectorXd LatticeUnknowns::pack(const TurningField& field, int further) const {
   Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(firstFurther() + further);
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
@@ -453,8 +450,8 @@ Eigen::VectorXd LatticeUnknowns::pack(const model::TurningField& field, int furt
   return unknowns;
 }
 
-model::TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
-  model::TurningField field(lattice());
+TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
+  TurningField field(lattice());
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
       const int place = places_.placeAt({column, row});
@@ -465,34 +462,34 @@ model::TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) cons
 }
 
 // Adds the derivatives by both parts of a constant in a term factor * F, along a direction.
-void LatticeUnknowns::addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,
-                               model::Complex direction) const {
+void LatticeUnknowns::addSlope(EquationRows& rows, const Cell& cell, Complex factor,
+                               Complex direction) const {
   const int place = places_.placeAt(cell);
   rows.slope(2 * place, scalarProduct(direction, factor));
-  rows.slope(2 * place + 1, scalarProduct(direction, factor * model::Complex(0, 1)));
+  rows.slope(2 * place + 1, scalarProduct(direction, factor * Complex(0, 1)));
 }
 
-void LatticeUnknowns::addPosition(EquationRows& rows, const model::TurningField& field,
-                                  const LatticeCorner& corner, double angle,
-                                  model::Complex direction, double value, double weight) const {
-  const model::Complex halfTurn = std::polar(1.0, 0.5 * angle);
-  model::Cell even = corner.cell;
-  model::Cell odd = model::cornerNeighbour(corner.cell, corner.corner);
-  if (!model::isEven(corner.cell)) std::swap(even, odd);
-  const model::Complex position = field.corner(corner.cell, corner.corner, angle);
+void LatticeUnknowns::addPosition(EquationRows& rows, const TurningField& field,
+                                  const LatticeCorner& corner, double angle, Complex direction,
+                                  double value, double weight) const {
+  const Complex halfTurn = std::polar(1.0, 0.5 * angle);
+  Cell even = corner.cell;
+  Cell odd = cornerNeighbour(corner.cell, corner.corner);
+  if (!isEven(corner.cell)) std::swap(even, odd);
+  const Complex position = field.corner(corner.cell, corner.corner, angle);
   rows.begin(weight * (scalarProduct(direction, position) - value));
   addSlope(rows, odd, std::conj(halfTurn), weight * direction);
   addSlope(rows, even, halfTurn, weight * direction);
 }
 
-void LatticeUnknowns::addBlock(EquationRows& rows, const model::TurningField& field,
+void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field,
                                const TileBlock& block, const Eigen::VectorXd& unknowns,
                                int logarithm) const {
   const double ratio = logarithm < 0 ? 1 : std::exp(unknowns[logarithm]);
-  const double signedRatio = model::isEven(block.lowerLeft) ? ratio : -ratio;
-  const model::Complex across = field.at(block.at(1, 0)) - field.at(block.at(0, 1));
-  const model::Complex along = field.at(block.at(1, 1)) - field.at(block.at(0, 0));
-  for (const model::Complex direction : {model::Complex(1, 0), model::Complex(0, 1)}) {
+  const double signedRatio = isEven(block.lowerLeft) ? ratio : -ratio;
+  const Complex across = field.at(block.at(1, 0)) - field.at(block.at(0, 1));
+  const Complex along = field.at(block.at(1, 1)) - field.at(block.at(0, 0));
+  for (const Complex direction : {Complex(1, 0), Complex(0, 1)}) {
     rows.begin(scalarProduct(direction, along - signedRatio * across));
     addSlope(rows, block.at(1, 1), 1, direction);
     addSlope(rows, block.at(0, 0), -1, direction);
@@ -503,13 +500,13 @@ void LatticeUnknowns::addBlock(EquationRows& rows, const model::TurningField& fi
   }
 }
 
-void LatticeUnknowns::addConstants(EquationRows& rows, const model::TurningField& field,
-                                   const model::TurningField& desired, double weight) const {
+void LatticeUnknowns::addConstants(EquationRows& rows, const TurningField& field,
+                                   const TurningField& desired, double weight) const {
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
-      const model::Cell cell{column, row};
+      const Cell cell{column, row};
       if (isGhostCorner(lattice(), cell)) continue;
-      const model::Complex difference = field.at(cell) - desired.at(cell);
+      const Complex difference = field.at(cell) - desired.at(cell);
       const int place = places_.placeAt(cell);
       rows.begin(weight * difference.real());
       rows.slope(2 * place, weight);

@@ -29,7 +29,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel::generate {
 namespace {
@@ -116,7 +116,7 @@ class SaddleDesign {
     model.name = "sphere-to-saddle";
     model.tiles = sphere_.tiles(unknowns);
     model.target = saddle_.tiles(unknowns);
-    model.joints = model::latticeJoints(lattice_, model::JointFace::Bottom);
+    model.joints = latticeJoints(lattice_, model::JointFace::Bottom);
     return model;
   }
 
@@ -153,7 +153,7 @@ class SaddleDesign {
     addSlope(rows, point, gradient.normalized());
   }
 
-  model::Lattice lattice_;
+  Lattice lattice_;
   double radius_;
   double curvature_;
   StateUnknowns sphere_;
@@ -163,17 +163,16 @@ class SaddleDesign {
 }  // namespace
 
 model::Model makeCylinder(const CylinderShape& shape) {
-  const model::Lattice lattice{shape.columns, shape.rows};
-  const model::TurningField field =
-      model::regularField(lattice, shape.length, model::Complex(0, shape.width));
+  const Lattice lattice{shape.columns, shape.rows};
+  const TurningField field = regularField(lattice, shape.length, Complex(0, shape.width));
   model::Model model;
   model.name = "cylinder";
   model.tiles = wrapped(field.tiles(0), shape.columns, shape.length);
   model.target = wrapped(field.tiles(pi), shape.columns, shape.width);
-  model.joints = model::latticeJoints(lattice, model::JointFace::Bottom);
+  model.joints = latticeJoints(lattice, model::JointFace::Bottom);
   const int last = shape.columns - 1;
   for (int row = 0; row < shape.rows; ++row) {
-    const bool even = model::isEven({last, row});
+    const bool even = isEven({last, row});
     model.joints.push_back({{lattice.tileAt({last, row}), even ? 2 : 1},
                             {lattice.tileAt({0, row}), even ? 3 : 0},
                             model::JointFace::Bottom});
@@ -182,7 +181,7 @@ model::Model makeCylinder(const CylinderShape& shape) {
 }
 
 model::Model makeMoebiusBand(const BandShape& shape) {
-  const model::Lattice lattice{shape.columns, shape.rows};
+  const Lattice lattice{shape.columns, shape.rows};
   StateUnknowns strip{nodesClosedAtStart(lattice), 2, 0};
   StateUnknowns band{openNodes(lattice), 3, strip.count()};
   const int halfLength = strip.count() + band.count();
@@ -233,7 +232,7 @@ model::Model makeMoebiusBand(const BandShape& shape) {
   model.name = "moebius";
   model.tiles = strip.tiles(found);
   model.target = band.tiles(found);
-  model.joints = model::latticeJoints(lattice, model::JointFace::Bottom);
+  model.joints = latticeJoints(lattice, model::JointFace::Bottom);
   return model;
 }
 
@@ -241,7 +240,7 @@ model::Model makeMoebiusBand(const BandShape& shape) {
 model::Model makeSphereToSaddle(const SaddleShape& shape) {
   // Four stages are enough for the default curvature.
   constexpr int kStages = 4;
-  const model::Lattice lattice{shape.columns, shape.rows};
+  const Lattice lattice{shape.columns, shape.rows};
   const double scale = shape.width / std::max(shape.columns, shape.rows);
   const auto scaled = [&](double angle) {
     return mapped(unitTiles(lattice, angle), [&](const Vector3& v) { return Vector3(scale * v); });
@@ -404,7 +403,7 @@ class CapDesign {
 
   std::string family_;
   CapShape shape_;
-  model::Lattice lattice_;
+  Lattice lattice_;
   std::vector<LatticeCorner> tips_;
   StateUnknowns square_;
   StateUnknowns cap_;
@@ -436,7 +435,7 @@ std::array<long, 6> placeOf(const model::Model& model, const model::Corner& corn
 }
 
 /// Joins the tips of different caps that coincide at the start and at the target.
-void joinCaps(model::Model& model, const model::Lattice& lattice) {
+void joinCaps(model::Model& model, const Lattice& lattice) {
   const double unit = 1e-6 * model::modelSize(model);
   std::map<std::array<long, 6>, model::Corner> known;
   for (int face = 0; face < 6; ++face) {
@@ -457,7 +456,7 @@ model::Model makeSphericalCap(const CapShape& shape) {
   model.name = "cap";
   model.tiles = pair.square;
   model.target = pair.cap;
-  model.joints = model::latticeJoints({shape.size, shape.size}, model::JointFace::Bottom);
+  model.joints = latticeJoints({shape.size, shape.size}, model::JointFace::Bottom);
   return model;
 }
 
@@ -465,13 +464,13 @@ model::Model makeCubeToSphere(const CapShape& shape) {
   CapShape face = shape;
   face.halfAngle = pi / 4;
   const CapPair pair = CapDesign("cube-to-sphere", face).solve();
-  const model::Lattice lattice{shape.size, shape.size};
+  const Lattice lattice{shape.size, shape.size};
   model::Model model;
   model.name = "cube-to-sphere";
   model.target.emplace();
   for (const Matrix3& turn : cubeFaces()) {
     const int first = static_cast<int>(model.tiles.size());
-    for (model::Joint joint : model::latticeJoints(lattice, model::JointFace::Bottom)) {
+    for (model::Joint joint : latticeJoints(lattice, model::JointFace::Bottom)) {
       joint.a.tile += first;
       joint.b.tile += first;
       model.joints.push_back(joint);
@@ -506,8 +505,8 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                   family, fit.violation));
 }
 
-std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle) {
-  return model::regularField(lattice, 1, model::Complex(0, 1)).tiles(angle);
+std::vector<model::Tile> unitTiles(const Lattice& lattice, double angle) {
+  return regularField(lattice, 1, Complex(0, 1)).tiles(angle);
 }
 
 // Relative to the origin: for an asymmetric sheet the larger side counts.
@@ -525,7 +524,7 @@ double meanEdge(const std::vector<model::Tile>& tiles) {
   return model::tileSize(model);
 }
 
-int sideOf(const model::Lattice& lattice, int number) {
+int sideOf(const Lattice& lattice, int number) {
   // Numbers at the ends of the bottom, the right and the top side.
   const int ends[] = {lattice.columns, lattice.columns + lattice.rows,
                       2 * lattice.columns + lattice.rows};
@@ -539,7 +538,7 @@ Vector3 outwards(int side) {
   return directions[side];
 }
 
-FlatRectangle::FlatRectangle(const model::Lattice& lattice, StateUnknowns state, int halfColumns,
+FlatRectangle::FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns,
                              int halfRows)
     : lattice_(lattice),
       state_(std::move(state)),
@@ -659,19 +658,19 @@ void addProductSlopes(EquationRows& rows, const QuadVectors& quad, int i, int j,
 
 }  // namespace
 
-NodeMap openNodes(const model::Lattice& lattice) {
+NodeMap openNodes(const Lattice& lattice) {
   JoinedCorners groups(lattice.tileCount());
-  for (const model::Joint& joint : model::latticeJoints(lattice, model::JointFace::Bottom)) {
+  for (const model::Joint& joint : latticeJoints(lattice, model::JointFace::Bottom)) {
     groups.merge(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
   }
   return groups.nodes();
 }
 
-NodeMap nodesClosedAtStart(const model::Lattice& lattice) {
+NodeMap nodesClosedAtStart(const Lattice& lattice) {
   NodeMap map;
   map.nodeCount = (lattice.columns + 1) * (lattice.rows + 1);
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
-    const model::Cell cell = lattice.cellOf(tile);
+    const Cell cell = lattice.cellOf(tile);
     const int corner = cell.column * (lattice.rows + 1) + cell.row;
     const int next = corner + lattice.rows + 1;
     map.nodeOf.push_back({corner, next, next + 1, corner + 1});
@@ -679,9 +678,9 @@ NodeMap nodesClosedAtStart(const model::Lattice& lattice) {
   return map;
 }
 
-NodeMap nodesClosedAtEnd(const model::Lattice& lattice) {
+NodeMap nodesClosedAtEnd(const Lattice& lattice) {
   const std::vector<model::Tile> closed =
-      model::regularField(lattice, 1, model::Complex(0, 1)).tiles(std::numbers::pi);
+      regularField(lattice, 1, Complex(0, 1)).tiles(std::numbers::pi);
   // Corners of unit squares coincide or are 1 apart.
   std::map<std::pair<long, long>, int> numbers;
   NodeMap map;

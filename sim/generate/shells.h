@@ -7,8 +7,8 @@
 
 #include "sim/base/geometry.h"
 #include "sim/generate/constrained_fit.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/lattice_designs.h"
-#include "sim/model/lattice.h"
 #include "sim/model/model.h"
 
 namespace kirireel::generate {
@@ -75,13 +75,13 @@ struct NodeMap {
 };
 
 /// The nodes of the open sheet: joined corners share a node.
-NodeMap openNodes(const model::Lattice& lattice);
+NodeMap openNodes(const Lattice& lattice);
 
 /// The nodes of the sheet closed at the start (theta = 0): a grid of columns + 1 by rows + 1.
-NodeMap nodesClosedAtStart(const model::Lattice& lattice);
+NodeMap nodesClosedAtStart(const Lattice& lattice);
 
 /// The nodes of the sheet closed again after all tiles have rotated (theta = pi).
-NodeMap nodesClosedAtEnd(const model::Lattice& lattice);
+NodeMap nodesClosedAtEnd(const Lattice& lattice);
 
 /// A point whose coordinates are unknowns.
 struct UnknownPoint {
@@ -144,7 +144,7 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings);
 
 /// Unit squares at an opening angle, about the origin.
-std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle);
+std::vector<model::Tile> unitTiles(const Lattice& lattice, double angle);
 
 /// Half the extent of tiles about the origin, along each axis.
 Vector3 halfExtent(const std::vector<model::Tile>& tiles);
@@ -163,7 +163,7 @@ double meanEdge(const std::vector<model::Tile>& tiles);
 
 /// The side of a sheet that a tip or node of its closed boundary belongs to: 0 bottom, 1 right, 2
 /// top, 3 left.
-int sideOf(const model::Lattice& lattice, int number);
+int sideOf(const Lattice& lattice, int number);
 
 /// The direction out of that side.
 Vector3 outwards(int side);
@@ -172,7 +172,7 @@ Vector3 outwards(int side);
 class FlatRectangle {
  public:
   /// The unknowns of half the length of the columns' and the rows' sides; they may be the same.
-  FlatRectangle(const model::Lattice& lattice, StateUnknowns state, int halfColumns, int halfRows);
+  FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns, int halfRows);
 
   /// Adds that the boundary's nodes lie on the rectangle.
   void addExact(EquationRows& rows, const Eigen::VectorXd& unknowns) const;
@@ -186,7 +186,7 @@ class FlatRectangle {
  private:
   void addOnSide(EquationRows& rows, const Eigen::VectorXd& unknowns, int number, int side) const;
 
-  model::Lattice lattice_;
+  Lattice lattice_;
   StateUnknowns state_;
   std::array<int, 2> halves_;
   std::vector<LatticeCorner> boundary_;

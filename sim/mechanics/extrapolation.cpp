@@ -83,7 +83,7 @@ std::vector<double> weights(int first, int last) {
 
 // Linear momentum sum m v (N s), and angular momentum about the origin, sum m x cross v + R I R^T w
 // (N m s).
-Momentum momentumOf(const std::vector<model::Brick>& bricks, const Motion& motion) {
+Momentum momentumOf(const std::vector<brick::Brick>& bricks, const Motion& motion) {
   Momentum sum;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const auto& [position, rotation] = motion.poses[i];
@@ -122,7 +122,7 @@ struct Extrapolation::Trial {
   int order() const { return static_cast<int>(rows.size()); }
 };
 
-Extrapolation::Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
+Extrapolation::Extrapolation(const std::vector<brick::Brick>& bricks, JointSolver& solver,
                              const ExtrapolationSettings& settings)
     : bricks_(bricks),
       solver_(solver),
@@ -136,7 +136,7 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
   const double step = trial.length / count;
   Trial::Crossing row{.end = trial.start};
   for (int k = 0; k < count; ++k) {
-    const LoadSource now = [&](const Poses& poses, std::vector<model::Load>& out) {
+    const LoadSource now = [&](const Poses& poses, std::vector<brick::Load>& out) {
       loads((k + 1) * step, poses, out);
     };
     StepReport taken = solver_.eulerStep(row.end, step, now, row.given);

@@ -12,7 +12,7 @@ namespace kirireel::mechanics {
 
 /// Writes the loads on all bricks at these poses, at a time in seconds after the call's start.
 using TimedLoads =
-    std::function<void(double seconds, const Poses&, std::vector<model::Load>& loads)>;
+    std::function<void(double seconds, const Poses&, std::vector<brick::Load>& loads)>;
 
 /// An intermediate state of a call.
 struct PassedState {
@@ -42,7 +42,7 @@ struct ExtrapolationSettings {
 class Extrapolation {
  public:
   /// Keeps references to bricks and solver.
-  Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
+  Extrapolation(const std::vector<brick::Brick>& bricks, JointSolver& solver,
                 const ExtrapolationSettings& settings);
 
   /// Takes one step of at most `seconds`, whose length divides `seconds` evenly. Joints
@@ -93,7 +93,7 @@ class Extrapolation {
   void chooseNext(const Trial& trial, bool wasRejected);
   void chooseAgain(const Trial& trial);
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   JointSolver& solver_;
   ExtrapolationSettings settings_;
   bool isSupported_ = false;

@@ -53,7 +53,7 @@ struct KeptRows {
 template <int D>
 class Stepper : public JointSolver {
  public:
-  Stepper(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+  Stepper(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots,
           const JointSolverSettings& settings)
       : bricks_(bricks),
         settings_(settings),
@@ -65,10 +65,10 @@ class Stepper : public JointSolver {
   }
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
-                     model::ContactSource* contacts) override;
-  void holdContacts(const std::vector<model::Contact>& contacts) override;
-  std::vector<model::Contact> heldContacts() const override;
-  std::vector<model::Contact> pushingContacts() const override;
+                     brick::ContactSource* contacts) override;
+  void holdContacts(const std::vector<brick::Contact>& contacts) override;
+  std::vector<brick::Contact> heldContacts() const override;
+  std::vector<brick::Contact> pushingContacts() const override;
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        LoadGain& given) override;
   double energy(const Motion& motion) const override;
@@ -103,7 +103,7 @@ class Stepper : public JointSolver {
   void addGain(const Poses& poses, double step, LoadGain& given) const;
   StepOutcome tryStep(const Motion& start, double step, const LoadSource& loads, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
-  bool appendRows(const std::vector<model::Contact>& found, const Poses& start, double step);
+  bool appendRows(const std::vector<brick::Contact>& found, const Poses& start, double step);
   bool boundNewFriction(const Poses& start);
   std::vector<RubbedPlane> planesThatRub(const Poses& poses, bool isHeld) const;
   void appendRubbing(const RubbedPlane& plane, const Poses& poses, std::vector<Row>& rows) const;
@@ -111,7 +111,7 @@ class Stepper : public JointSolver {
   void carryOver(const Row& old, const Poses& start, double step);
   void carryRegionOver(const Row* first, const Row* last, const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
-  Row contactRow(const model::Contact& contact, const Poses& start, double step) const;
+  Row contactRow(const brick::Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool solveWithPairForces(const Poses& start, double step);
@@ -134,16 +134,16 @@ class Stepper : public JointSolver {
   void finishStep(Motion& motion) const;
   void keepMultipliers(double step);
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   JointSolverSettings settings_;
   StepSystem<D> system_;
-  model::ContactSource* contactSource_ = nullptr;
+  brick::ContactSource* contactSource_ = nullptr;
   double jointStiffness_ = std::numeric_limits<double>::infinity();
   StepReport report_;
   std::vector<bool> pinned_;
 
   // The step in work.
-  std::vector<model::Load> loads_;
+  std::vector<brick::Load> loads_;
   bool isShortest_ = false;    // it will not be halved, and discontinuities are accepted
   Vector startSpeed_;          // velocities where it starts
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
@@ -188,7 +188,7 @@ constexpr double kLeastShare = 1e-6;
 template <int D>
 // A step that would only repeat a standstill is answered without a try.
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
-                               model::ContactSource* contacts) {
+                               brick::ContactSource* contacts) {
   contactSource_ = contacts;
   report_ = {};
   if (standstill_.isWhole()) loads(motion.poses, loads_);
@@ -288,7 +288,7 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     limitEnergyAfterClosing(start, step);
     if (!contactSource_) return StepOutcome::Good;
-    std::vector<model::Contact> found;
+    std::vector<brick::Contact> found;
     const double overlap = contactSource_->appendViolated(end_.poses, found);
     if (!appendRows(found, start, step)) {
       return overlap <= kOverlapAccepted * settings_.lengthScale ? StepOutcome::Good
@@ -300,10 +300,10 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
 
 /// Adds rows for contacts that have none yet. Returns whether there were any.
 template <int D>
-bool Stepper<D>::appendRows(const std::vector<model::Contact>& found, const Poses& start,
+bool Stepper<D>::appendRows(const std::vector<brick::Contact>& found, const Poses& start,
                             double step) {
   const std::size_t before = program_.contacts.size();
-  for (const model::Contact& contact : found) {
+  for (const brick::Contact& contact : found) {
     const auto end = program_.contacts.begin() + static_cast<std::ptrdiff_t>(before);
     const bool known = std::any_of(program_.contacts.begin(), end,
                                    [&](const Row& row) { return row.contact == contact; });
@@ -328,13 +328,13 @@ std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHe
     if (!isHeld && (first->isRubbed || std::none_of(first, last, pushes))) continue;
     RubbedPlane plane;
     plane.first = static_cast<std::size_t>(first - rows.begin());
-    plane.normal = model::contactNormal(first->contact, poses);
+    plane.normal = brick::contactNormal(first->contact, poses);
     std::vector<Vector3> touching;
     for (auto row = first; row != last; ++row) {
-      plane.points.push_back(model::contactPoints(row->contact, poses).onA);
+      plane.points.push_back(brick::contactPoints(row->contact, poses).onA);
       const bool touches =
           isHeld || pushes(*row) ||
-          model::contactGap(row->contact, poses) <= kTouching * settings_.lengthScale;
+          brick::contactGap(row->contact, poses) <= kTouching * settings_.lengthScale;
       if (touches) touching.push_back(plane.points.back());
     }
     // In the plane friction acts along one line wherever the points are.
@@ -360,8 +360,8 @@ void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
   centre /= push;
   Row row;
   row.contact = program_.contacts[plane.first].contact;
-  const Pose& poseA = model::poseOf(row.contact.brickA, poses);
-  const Pose& poseB = model::poseOf(row.contact.brickB, poses);
+  const Pose& poseA = brick::poseOf(row.contact.brickA, poses);
+  const Pose& poseB = brick::poseOf(row.contact.brickB, poses);
   row.hasNormal = false;
   if (row.contact.isRegion && row.contact.isEdge) {
     row.contact.isEdge = false;
@@ -437,9 +437,9 @@ void Stepper<D>::carryOver(const Row& old, const Poses& start, double step) {
 template <int D>
 void Stepper<D>::carryRegionOver(const Row* first, const Row* last, const Poses& start,
                                  double step) {
-  std::vector<model::Contact> corners;
+  std::vector<brick::Contact> corners;
   contactSource_->appendRegion(first->contact, corners);
-  for (const model::Contact& corner : corners) {
+  for (const brick::Contact& corner : corners) {
     const bool isKnown = std::ranges::any_of(program_.contacts,
                                              [&](const Row& row) { return row.contact == corner; });
     if (!isKnown) program_.contacts.push_back(contactRow(corner, start, step));
@@ -448,10 +448,10 @@ void Stepper<D>::carryRegionOver(const Row* first, const Row* last, const Poses&
     if (!(first->multiplier > 0)) continue;
     Row* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
-    const Vector3 place = model::contactPoints(first->contact, start).onA;
+    const Vector3 place = brick::contactPoints(first->contact, start).onA;
     for (Row& row : program_.contacts) {
-      if (!row.hasNormal || !model::onOnePlane(row.contact, first->contact)) continue;
-      const double off = (model::contactPoints(row.contact, start).onA - place).norm();
+      if (!row.hasNormal || !brick::onOnePlane(row.contact, first->contact)) continue;
+      const double off = (brick::contactPoints(row.contact, start).onA - place).norm();
       if (off >= least) continue;
       least = off;
       nearest = &row;
@@ -467,7 +467,7 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
   for (std::size_t s = 0; s < settings_.supports.size(); ++s) {
     const Support& support = settings_.supports[s];
     Row row;
-    row.contact = {support.brick, model::kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
+    row.contact = {support.brick, brick::kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
     row.hasNormal = false;
     row.slipBound = support.largestForce * step;
     if (s < kept_.supports.size()) {
@@ -480,7 +480,7 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
 }
 
 template <int D>
-ContactRow<D> Stepper<D>::contactRow(const model::Contact& contact, const Poses& start,
+ContactRow<D> Stepper<D>::contactRow(const brick::Contact& contact, const Poses& start,
                                      double step) const {
   Row row = makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale);
   holdPinned(row);
@@ -490,7 +490,7 @@ ContactRow<D> Stepper<D>::contactRow(const model::Contact& contact, const Poses&
 /// No contact moves a pinned brick.
 template <int D>
 void Stepper<D>::holdPinned(Row& row) const {
-  const auto isHeld = [&](int body) { return model::isBrick(body) && pinned_[body]; };
+  const auto isHeld = [&](int body) { return brick::isBrick(body) && pinned_[body]; };
   if (isHeld(row.contact.brickA)) {
     row.normalA.setZero();
     row.tangentA.setZero();
@@ -559,7 +559,7 @@ double Stepper<D>::shareWithWork() const {
   const double means = program_.x.dot(program_.force);
   const double slow = kSlow * settings_.lengthScale;
   double slowCost = 0;
-  for (const model::Brick& brick : bricks_) slowCost += brick.mass * slow * slow;
+  for (const brick::Brick& brick : bricks_) slowCost += brick.mass * slow * slow;
   const double allowed = kWorkTolerance * std::max(cost, slowCost);
   return cost - means > allowed ? std::max(0.0, means / cost) : 1;
 }
@@ -655,7 +655,7 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   for (const Row& row : kept_.contacts) {
     const auto [low, high] = std::minmax(row.contact.brickA, row.contact.brickB);
     const std::pair<int, int> pair =
-        model::isBrick(low) ? std::pair<int, int>(low, high) : std::pair<int, int>(high, low);
+        brick::isBrick(low) ? std::pair<int, int>(low, high) : std::pair<int, int>(high, low);
     if (row.multiplier > 0) forces[pair] += row.multiplier / kept_.step;
   }
   std::vector<ContactLoad> loads;
@@ -673,8 +673,8 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
       // The velocity of a brick's point along a direction begins with that direction.
       constexpr int kAxes = D == 6 ? 3 : 2;
       const auto& [a, b] = std::tie(row.contact.brickA, row.contact.brickB);
-      const bool onA = model::isBrick(a);
-      TouchForce touch = {onA ? a : b, onA ? b : a, model::contactPoints(row.contact, poses).onA,
+      const bool onA = brick::isBrick(a);
+      TouchForce touch = {onA ? a : b, onA ? b : a, brick::contactPoints(row.contact, poses).onA,
                           Vector3::Zero(), 0};
       const auto& tangents = onA ? row.tangentA : row.tangentB;
       const auto& normal = onA ? row.normalA : row.normalB;
@@ -710,9 +710,9 @@ void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const
 
 template <int D>
 // Contacts that were held already keep their impulses.
-void Stepper<D>::holdContacts(const std::vector<model::Contact>& contacts) {
+void Stepper<D>::holdContacts(const std::vector<brick::Contact>& contacts) {
   std::vector<Row> held;
-  for (const model::Contact& contact : contacts) {
+  for (const brick::Contact& contact : contacts) {
     const auto known = std::ranges::find_if(kept_.contacts,
                                             [&](const Row& row) { return row.contact == contact; });
     Row row = known == kept_.contacts.end() ? Row{} : *known;
@@ -723,15 +723,15 @@ void Stepper<D>::holdContacts(const std::vector<model::Contact>& contacts) {
 }
 
 template <int D>
-std::vector<model::Contact> Stepper<D>::heldContacts() const {
-  std::vector<model::Contact> contacts;
+std::vector<brick::Contact> Stepper<D>::heldContacts() const {
+  std::vector<brick::Contact> contacts;
   for (const Row& row : kept_.contacts) contacts.push_back(row.contact);
   return contacts;
 }
 
 template <int D>
-std::vector<model::Contact> Stepper<D>::pushingContacts() const {
-  std::vector<model::Contact> contacts;
+std::vector<brick::Contact> Stepper<D>::pushingContacts() const {
+  std::vector<brick::Contact> contacts;
   for (const Row& row : kept_.contacts) {
     if (row.multiplier > 0) contacts.push_back(row.contact);
   }
@@ -885,7 +885,7 @@ double Stepper<D>::energyOfMotion(const Motion& motion) const {
 template <int D>
 double Stepper<D>::energy(const Motion& motion) const {
   double sum = energyOfMotion(motion);
-  for (const std::shared_ptr<const model::PairForce>& force : settings_.pairForces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : settings_.pairForces) {
     sum += force->energy(motion.poses);
   }
   return sum;
@@ -899,8 +899,8 @@ void Stepper<D>::transfer(StateTape& tape) {
   system_.setPinned(pinned_);
 }
 
-std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& bricks,
-                                             std::span<const model::Pivot> pivots,
+std::unique_ptr<JointSolver> makeJointSolver(const std::vector<brick::Brick>& bricks,
+                                             std::span<const brick::Pivot> pivots,
                                              const JointSolverSettings& settings) {
   assert(settings.planar || ligamentsOf(settings.pairForces).empty());
   if (settings.planar) return std::make_unique<Stepper<3>>(bricks, pivots, settings);
@@ -922,7 +922,7 @@ bool areEqual(const Pose& a, const Pose& b) {
   return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
-bool areEqual(const model::Load& a, const model::Load& b) {
+bool areEqual(const brick::Load& a, const brick::Load& b) {
   return a.force == b.force && a.stiffness == b.stiffness && a.damping == b.damping;
 }
 
@@ -940,7 +940,7 @@ bool areAtRest(const std::vector<Velocity>& velocities) {
 }  // namespace
 
 // Returns whether to try a step. `motion`, `loads` and `seconds` are what it begins with.
-bool Standstill::beginStep(const Motion& motion, const std::vector<model::Load>& loads,
+bool Standstill::beginStep(const Motion& motion, const std::vector<brick::Load>& loads,
                            double seconds) {
   const bool mayHalve = steps_ % kPatience == 0;
   // Inputs are the same and the last answer was "no motion". It would differ only if halving were
@@ -958,7 +958,7 @@ bool Standstill::beginStep(const Motion& motion, const std::vector<model::Load>&
 
 // Notes the outcome. Poses and loads are kept only where no brick moved, since another step cannot
 // be the same.
-void Standstill::endStep(const Poses& poses, const std::vector<model::Load>& loads) {
+void Standstill::endStep(const Poses& poses, const std::vector<brick::Load>& loads) {
   steps_ = stood_ ? steps_ + 1 : 0;
   halved_ = mayHalve_;
   poses_.clear();
@@ -969,7 +969,7 @@ void Standstill::endStep(const Poses& poses, const std::vector<model::Load>& loa
 }
 
 // The order of the comparisons is by their cost.
-bool Standstill::isAsBefore(const Motion& motion, const std::vector<model::Load>& loads,
+bool Standstill::isAsBefore(const Motion& motion, const std::vector<brick::Load>& loads,
                             double seconds) const {
   return seconds == seconds_ && areAtRest(motion.velocities) && areEqual(motion.poses, poses_) &&
          areEqual(loads, loads_);
@@ -1058,12 +1058,12 @@ void Stepper<D>::standStill(const Poses& start) {
 template <int D>
 std::vector<std::pair<int, int>> Stepper<D>::pairsThatHold() const {
   std::vector<std::pair<int, int>> pairs;
-  for (const model::Pivot& pivot : system_.pivots()) pairs.emplace_back(pivot.brickA, pivot.brickB);
-  for (const std::shared_ptr<const model::PairForce>& force : settings_.pairForces) {
+  for (const brick::Pivot& pivot : system_.pivots()) pairs.emplace_back(pivot.brickA, pivot.brickB);
+  for (const std::shared_ptr<const brick::PairForce>& force : settings_.pairForces) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) pairs.push_back(force->bricks(pair));
   }
   for (const Row& row : program_.contacts) {
-    if (!model::isBrick(row.contact.brickA) || !model::isBrick(row.contact.brickB)) continue;
+    if (!brick::isBrick(row.contact.brickA) || !brick::isBrick(row.contact.brickB)) continue;
     pairs.emplace_back(row.contact.brickA, row.contact.brickB);
   }
   return pairs;
@@ -1093,7 +1093,7 @@ bool Stepper<D>::moveAsPieces(Motion& motion, double step, const LoadSource& loa
   Stepper<D> solver(pieces.bodies(), {}, settings);
   solver.setPinned(pinned);
   PieceContacts contacts(pieces, *contactSource_);
-  const LoadSource onPieces = [&](const Poses& poses, std::vector<model::Load>& out) {
+  const LoadSource onPieces = [&](const Poses& poses, std::vector<brick::Load>& out) {
     loads(pieces.posesOfBricks(poses), loads_);
     out = pieces.loadsOnPieces(poses, loads_);
   };
@@ -1176,7 +1176,7 @@ Eigen::VectorXd Stepper<D>::extrapolated(const Vector& move, const Vector& lastM
 /// How far a contact falls short of the gap that it aims at, metres.
 template <int D>
 double Stepper<D>::overlap(const Row& row) const {
-  return std::max(0.0, row.aim - model::contactGap(row.contact, end_.poses));
+  return std::max(0.0, row.aim - brick::contactGap(row.contact, end_.poses));
 }
 
 template <int D>
@@ -1258,7 +1258,7 @@ template <int D>
 double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
   double largest = largestOf(gaps);
   for (const Row& row : held) {
-    largest = std::max(largest, std::abs(model::contactGap(row.contact, end_.poses)));
+    largest = std::max(largest, std::abs(brick::contactGap(row.contact, end_.poses)));
   }
   return largest;
 }
@@ -1291,7 +1291,7 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
     Vector move = Vector::Zero(D * bricks_.size());
     system_.addJointImpulse(-system_.kappa(), gaps, move);
     for (const Row& row : held) {
-      row.addNormal(-system_.rho() * model::contactGap(row.contact, end_.poses), move);
+      row.addNormal(-system_.rho() * brick::contactGap(row.contact, end_.poses), move);
     }
     system_.solveInPlace(move);
     displace(move);

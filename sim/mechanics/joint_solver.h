@@ -10,9 +10,9 @@
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
-#include "sim/model/pair_force.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
+#include "sim/brick/pair_force.h"
 
 namespace kirireel::mechanics {
 
@@ -31,13 +31,13 @@ struct JointSolverSettings {
   std::vector<Support> supports;  ///< of planar scenes on the ground
   /// Implicit in the step. Newton's method finds its end, unless all forces are hinge springs.
   /// Ligaments require planar motion.
-  model::PairForces pairForces;
+  brick::PairForces pairForces;
   bool isHalving = true;  ///< whether failed steps are repeated as halves
 };
 
 /// Writes the load on every brick at the given poses. `loads` has one entry per brick, which are
 /// replaced.
-using LoadSource = std::function<void(const Poses&, std::vector<model::Load>& loads)>;
+using LoadSource = std::function<void(const Poses&, std::vector<brick::Load>& loads)>;
 
 /// Linear and angular momentum of all bricks together, the latter about the origin, N s and N m s.
 struct Momentum {
@@ -54,14 +54,14 @@ struct LoadGain {
 /// Contact force between two bricks.
 struct ContactLoad {
   int brickA = 0;              ///< its number, >= 0
-  int brickB = model::kFixed;  ///< > brickA, or a fixed body
+  int brickB = brick::kFixed;  ///< > brickA, or a fixed body
   double force = 0;            ///< newtons, the sum over the pair's points
 };
 
 /// The contact force at one point of two bricks, or of a brick and a fixed body.
 struct TouchForce {
   int brickA = 0;              ///< its number, >= 0
-  int brickB = model::kFixed;  ///< or the ground's or an obstacle's
+  int brickB = brick::kFixed;  ///< or the ground's or an obstacle's
   Vector3 point;               ///< world axes
   Vector3 force;    ///< on brick A, friction included, newtons; brick B gets the opposite
   double push = 0;  ///< its normal component, newtons, >= 0
@@ -87,16 +87,16 @@ class JointSolver {
   /// Loads are computed at the start of each (half) step and are implicit in it. `step` > 0. At the
   /// start, joints are closed to about the solver's tolerance.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
-                             model::ContactSource* contacts) = 0;
+                             brick::ContactSource* contacts) = 0;
 
   /// Sets the contacts that eulerStep(), project() and collide() hold: their points may separate or
   /// slide, but not approach. Set them again after advance(), which finds contacts itself.
-  virtual void holdContacts(const std::vector<model::Contact>& contacts) = 0;
+  virtual void holdContacts(const std::vector<brick::Contact>& contacts) = 0;
   /// The held contacts, or those that carried load in the last step of advance(), with their
   /// planes.
-  virtual std::vector<model::Contact> heldContacts() const = 0;
+  virtual std::vector<brick::Contact> heldContacts() const = 0;
   /// The pushing contacts among them.
-  virtual std::vector<model::Contact> pushingContacts() const = 0;
+  virtual std::vector<brick::Contact> pushingContacts() const = 0;
 
   /// One step of implicit Euler, linearised at its start, with only the contacts that are held:
   /// velocities satisfy joints and contacts at the start, bricks move by them, and joints are not
@@ -156,8 +156,8 @@ class JointSolver {
 /// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are
 /// taken once.
 /// `bricks` must outlive the solver. Ligaments ask for a planar scene.
-std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& bricks,
-                                             std::span<const model::Pivot> pivots,
+std::unique_ptr<JointSolver> makeJointSolver(const std::vector<brick::Brick>& bricks,
+                                             std::span<const brick::Pivot> pivots,
                                              const JointSolverSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
@@ -173,13 +173,13 @@ class Standstill {
   /// Begins a step of `seconds` from this motion, with one load per brick. Loads matter only if
   /// isWhole(). Returns false if the step can be skipped: the last one had the same inputs and no
   /// motion, and its halves had none either or are not due.
-  bool beginStep(const Motion& motion, const std::vector<model::Load>& loads, double seconds);
+  bool beginStep(const Motion& motion, const std::vector<brick::Load>& loads, double seconds);
   /// Stores whether bricks moved in a part of the step.
   void recordStandstill() { stood_ = true; }
   /// Stores that bricks moved in a part of the step.
   void recordMotion() { moved_ = true; }
   /// Ends the step at these poses with these loads.
-  void endStep(const Poses& poses, const std::vector<model::Load>& loads);
+  void endStep(const Poses& poses, const std::vector<brick::Load>& loads);
 
   /// Whether a failed part of the step may be tried in halves: not if another part had no motion,
   /// and after such steps only in every tenth.
@@ -192,12 +192,12 @@ class Standstill {
   void transfer(StateTape& tape);
 
  private:
-  bool isAsBefore(const Motion& motion, const std::vector<model::Load>& loads,
+  bool isAsBefore(const Motion& motion, const std::vector<brick::Load>& loads,
                   double seconds) const;
 
   // State of the last step without motion: it ended at rest.
   Poses poses_;
-  std::vector<model::Load> loads_;
+  std::vector<brick::Load> loads_;
   double seconds_ = 0;
   bool halved_ = false;  // it was tried in halves
 
@@ -243,8 +243,8 @@ class ReactionSolver {
 
 /// A solver for these bricks and pivots, which must outlive it. `planar` and `lengthScale` as in
 /// JointSolverSettings.
-std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<model::Brick>& bricks,
-                                                   std::span<const model::Pivot> pivots,
+std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<brick::Brick>& bricks,
+                                                   std::span<const brick::Pivot> pivots,
                                                    bool planar, double lengthScale);
 
 }  // namespace kirireel::mechanics

@@ -52,7 +52,7 @@ Vector3 centripetal(const Velocity& velocity, const Vector3& arm) {
 template <int D>
 class Reactor final : public ReactionSolver {
  public:
-  Reactor(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+  Reactor(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots,
           double lengthScale)
       : bricks_(bricks), pivots_(pivots), system_(bricks, pivots, lengthScale) {
     for (std::size_t p = 0; p < pivots.size(); ++p) {
@@ -110,10 +110,10 @@ class Reactor final : public ReactionSolver {
   using Vector = Eigen::VectorXd;
   static constexpr int kRows = Space::kJointRows;
 
-  const model::Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
+  const brick::Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
 
   // From the pivot's point of B to that of A, world axes, metres.
-  Vector3 between(const model::Pivot& pivot) const {
+  Vector3 between(const brick::Pivot& pivot) const {
     return motion_.poses[pivot.brickA].apply(pivot.pointA) -
            motion_.poses[pivot.brickB].apply(pivot.pointB);
   }
@@ -129,7 +129,7 @@ class Reactor final : public ReactionSolver {
   }
 
   /// b = -(dJ/dt) u of one pivot.
-  Vector3 neededAcceleration(const model::Pivot& pivot) const {
+  Vector3 neededAcceleration(const brick::Pivot& pivot) const {
     const Pose &poseA = motion_.poses[pivot.brickA], &poseB = motion_.poses[pivot.brickB];
     const Velocity& velocityA = motion_.velocities[pivot.brickA];
     const Velocity& velocityB = motion_.velocities[pivot.brickB];
@@ -267,8 +267,8 @@ class Reactor final : public ReactionSolver {
     return forces;
   }
 
-  const std::vector<model::Brick>& bricks_;
-  std::span<const model::Pivot> pivots_;
+  const std::vector<brick::Brick>& bricks_;
+  std::span<const brick::Pivot> pivots_;
   std::vector<std::size_t> solved_;  // pivots of the system
   StepSystem<D> system_;             // at the state of the last solve
   Motion motion_;
@@ -277,8 +277,8 @@ class Reactor final : public ReactionSolver {
 
 }  // namespace
 
-std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<model::Brick>& bricks,
-                                                   std::span<const model::Pivot> pivots,
+std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<brick::Brick>& bricks,
+                                                   std::span<const brick::Pivot> pivots,
                                                    bool planar, double lengthScale) {
   if (planar) return std::make_unique<Reactor<3>>(bricks, pivots, lengthScale);
   return std::make_unique<Reactor<6>>(bricks, pivots, lengthScale);

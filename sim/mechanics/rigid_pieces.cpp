@@ -23,13 +23,13 @@ std::vector<int> connectedPieces(std::size_t bricks,
 
 }  // namespace
 
-RigidPieces::RigidPieces(const std::vector<model::Brick>& bricks, const Poses& poses,
+RigidPieces::RigidPieces(const std::vector<brick::Brick>& bricks, const Poses& poses,
                          const std::vector<std::pair<int, int>>& pairs)
     : bricks_(bricks), pieces_(connectedPieces(bricks.size(), pairs)), places_(poses) {
   const int count = pieces_.empty() ? 0 : 1 + *std::ranges::max_element(pieces_);
   bodies_.resize(count);
   start_.resize(count);
-  for (model::Brick& body : bodies_) {
+  for (brick::Brick& body : bodies_) {
     body.mass = 0;
     body.inertia.setZero();
   }
@@ -85,13 +85,13 @@ Motion RigidPieces::motionOfBricks(const Motion& ofPieces) const {
   return motion;
 }
 
-std::vector<model::Load> RigidPieces::loadsOnPieces(
-    const Poses& ofPieces, const std::vector<model::Load>& onBricks) const {
-  std::vector<model::Load> loads(bodies_.size());
+std::vector<brick::Load> RigidPieces::loadsOnPieces(
+    const Poses& ofPieces, const std::vector<brick::Load>& onBricks) const {
+  std::vector<brick::Load> loads(bodies_.size());
   for (std::size_t i = 0; i < onBricks.size(); ++i) {
     Matrix6 map = Matrix6::Identity();
     map.topRightCorner<3, 3>() = -crossMatrix(ofPieces[pieces_[i]].rotation * places_[i].position);
-    model::Load& load = loads[pieces_[i]];
+    brick::Load& load = loads[pieces_[i]];
     load.force += map.transpose() * onBricks[i].force;
     load.stiffness += map.transpose() * onBricks[i].stiffness * map;
     load.damping += map.transpose() * onBricks[i].damping * map;
@@ -104,11 +104,11 @@ void PieceContacts::startStep(const Poses& start) {
   source_.startStep(pieces_.posesOfBricks(start));
 }
 
-double PieceContacts::appendViolated(const Poses& end, std::vector<model::Contact>& contacts) {
-  std::vector<model::Contact> found;
+double PieceContacts::appendViolated(const Poses& end, std::vector<brick::Contact>& contacts) {
+  std::vector<brick::Contact> found;
   source_.appendViolated(pieces_.posesOfBricks(end), found);
-  for (const model::Contact& contact : found) {
-    const bool isWithin = model::isBrick(contact.brickA) && model::isBrick(contact.brickB) &&
+  for (const brick::Contact& contact : found) {
+    const bool isWithin = brick::isBrick(contact.brickA) && brick::isBrick(contact.brickB) &&
                           pieces_.pieceOf(contact.brickA) == pieces_.pieceOf(contact.brickB);
     if (isWithin) continue;
     inStep_.push_back(ofPieces(contact));
@@ -116,40 +116,40 @@ double PieceContacts::appendViolated(const Poses& end, std::vector<model::Contac
     contacts.push_back(inStep_.back());
   }
   double overlap = 0;
-  for (const model::Contact& contact : inStep_) {
-    overlap = std::max(overlap, -model::contactGap(contact, end));
+  for (const brick::Contact& contact : inStep_) {
+    overlap = std::max(overlap, -brick::contactGap(contact, end));
   }
   return overlap;
 }
 
-bool PieceContacts::isCurrent(const model::Contact& contact) const {
+bool PieceContacts::isCurrent(const brick::Contact& contact) const {
   const auto known =
       std::ranges::find_if(given_, [&](const auto& both) { return both.first == contact; });
   return known != given_.end() && source_.isCurrent(known->second);
 }
 
-void PieceContacts::appendRegion(const model::Contact& contact,
-                                 std::vector<model::Contact>& contacts) {
+void PieceContacts::appendRegion(const brick::Contact& contact,
+                                 std::vector<brick::Contact>& contacts) {
   const auto known =
       std::ranges::find_if(given_, [&](const auto& both) { return both.first == contact; });
   if (known == given_.end()) return;
-  std::vector<model::Contact> found;
+  std::vector<brick::Contact> found;
   source_.appendRegion(known->second, found);
-  for (const model::Contact& ofBricks : found) {
+  for (const brick::Contact& ofBricks : found) {
     contacts.push_back(ofPieces(ofBricks));
     given_.emplace_back(contacts.back(), ofBricks);
   }
 }
 
 /// A contact of bricks in the axes of their pieces.
-model::Contact PieceContacts::ofPieces(model::Contact contact) const {
-  if (model::isBrick(contact.brickA)) {
+brick::Contact PieceContacts::ofPieces(brick::Contact contact) const {
+  if (brick::isBrick(contact.brickA)) {
     const Pose& place = pieces_.placeInPiece(contact.brickA);
     contact.pointA = place.apply(contact.pointA);
     contact.edgeA = place.rotation * contact.edgeA;
     contact.brickA = pieces_.pieceOf(contact.brickA);
   }
-  if (model::isBrick(contact.brickB)) {
+  if (brick::isBrick(contact.brickB)) {
     const Pose& place = pieces_.placeInPiece(contact.brickB);
     contact.pointB = place.apply(contact.pointB);
     contact.normal = place.rotation * contact.normal;

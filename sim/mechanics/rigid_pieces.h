@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
 
 namespace kirireel::mechanics {
 
@@ -15,11 +15,11 @@ namespace kirireel::mechanics {
 class RigidPieces {
  public:
   /// `pairs`: numbers of two bricks each. `bricks` must outlive this.
-  RigidPieces(const std::vector<model::Brick>& bricks, const Poses& poses,
+  RigidPieces(const std::vector<brick::Brick>& bricks, const Poses& poses,
               const std::vector<std::pair<int, int>>& pairs);
 
   /// One rigid body a piece: mass, inertia about its centre of mass, no shape.
-  const std::vector<model::Brick>& bodies() const { return bodies_; }
+  const std::vector<brick::Brick>& bodies() const { return bodies_; }
   /// The piece of a brick, >= 0.
   int pieceOf(int brick) const { return pieces_[static_cast<std::size_t>(brick)]; }
   /// Where a brick is in the axes of its piece.
@@ -33,39 +33,39 @@ class RigidPieces {
   /// The bricks' motion for that of the pieces.
   Motion motionOfBricks(const Motion& ofPieces) const;
   /// Sums the loads on bricks at these poses to loads on pieces.
-  std::vector<model::Load> loadsOnPieces(const Poses& ofPieces,
-                                         const std::vector<model::Load>& onBricks) const;
+  std::vector<brick::Load> loadsOnPieces(const Poses& ofPieces,
+                                         const std::vector<brick::Load>& onBricks) const;
 
  private:
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   Poses start_;              // of the pieces, when they were made
   std::vector<int> pieces_;  // one per brick
   Poses places_;             // one per brick, in the axes of its piece
-  std::vector<model::Brick> bodies_;
+  std::vector<brick::Brick> bodies_;
 };
 
 /// Contacts between pieces, from a source of contacts between bricks. Those within a piece are left
 /// out.
-class PieceContacts : public model::ContactSource {
+class PieceContacts : public brick::ContactSource {
  public:
   /// Both must outlive this.
-  PieceContacts(const RigidPieces& pieces, model::ContactSource& source)
+  PieceContacts(const RigidPieces& pieces, brick::ContactSource& source)
       : pieces_(pieces), source_(source) {}
 
   void startStep(const Poses& start) override;
-  double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
-  bool isCurrent(const model::Contact& contact) const override;
-  void appendRegion(const model::Contact& contact, std::vector<model::Contact>& contacts) override;
+  double appendViolated(const Poses& end, std::vector<brick::Contact>& contacts) override;
+  bool isCurrent(const brick::Contact& contact) const override;
+  void appendRegion(const brick::Contact& contact, std::vector<brick::Contact>& contacts) override;
   double pairsExamined() const override { return source_.pairsExamined(); }
 
  private:
-  model::Contact ofPieces(model::Contact contact) const;
+  brick::Contact ofPieces(brick::Contact contact) const;
 
   const RigidPieces& pieces_;
-  model::ContactSource& source_;
+  brick::ContactSource& source_;
   // Those given so far, as they are between pieces and between bricks.
-  std::vector<std::pair<model::Contact, model::Contact>> given_;
-  std::vector<model::Contact> inStep_;
+  std::vector<std::pair<brick::Contact, brick::Contact>> given_;
+  std::vector<brick::Contact> inStep_;
 };
 
 }  // namespace kirireel::mechanics

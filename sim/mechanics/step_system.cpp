@@ -26,14 +26,14 @@ std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
 /// and only the part of d across the normal matters, since the normal keeps its length.
 template <int D>
 void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
-  const model::Contact& contact = row.contact;
-  const Pose& poseA = model::poseOf(contact.brickA, poses);
-  const Pose& poseB = model::poseOf(contact.brickB, poses);
+  const brick::Contact& contact = row.contact;
+  const Pose& poseA = brick::poseOf(contact.brickA, poses);
+  const Pose& poseB = brick::poseOf(contact.brickB, poses);
   const Vector3 a = poseA.rotation * contact.edgeA;
   const Vector3 b = poseB.rotation * contact.normal;
   const double length = a.cross(b).norm();
   const Vector3 normal = a.cross(b) / length;
-  const auto [onA, onB] = model::contactPoints(contact, poses);
+  const auto [onA, onB] = brick::contactPoints(contact, poses);
   const Vector3 between = onA - onB;
   const Vector3 d = between - normal.dot(between) * normal;
   row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
@@ -46,23 +46,23 @@ template <int D>
 // w = C u for this row, m/s; positive if the points separate.
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
   double w = 0;
-  if (model::isBrick(contact.brickA)) w += normalA.dot(u.segment<D>(D * contact.brickA));
-  if (model::isBrick(contact.brickB)) w += normalB.dot(u.segment<D>(D * contact.brickB));
+  if (brick::isBrick(contact.brickA)) w += normalA.dot(u.segment<D>(D * contact.brickA));
+  if (brick::isBrick(contact.brickB)) w += normalB.dot(u.segment<D>(D * contact.brickB));
   return w;
 }
 
 template <int D>
 typename ContactRow<D>::Tangent ContactRow<D>::slipVelocity(const Eigen::VectorXd& u) const {
   Tangent w = Tangent::Zero();
-  if (model::isBrick(contact.brickA)) w += tangentA * u.segment<D>(D * contact.brickA);
-  if (model::isBrick(contact.brickB)) w += tangentB * u.segment<D>(D * contact.brickB);
+  if (brick::isBrick(contact.brickA)) w += tangentA * u.segment<D>(D * contact.brickA);
+  if (brick::isBrick(contact.brickB)) w += tangentB * u.segment<D>(D * contact.brickB);
   return w;
 }
 
 template <int D>
 void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
   const auto add = [&](int brick, const RowVector& row) {
-    if (model::isBrick(brick)) to.segment<D>(D * brick) += scale * row.transpose();
+    if (brick::isBrick(brick)) to.segment<D>(D * brick) += scale * row.transpose();
   };
   add(contact.brickA, normalA);
   add(contact.brickB, normalB);
@@ -71,7 +71,7 @@ void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
 template <int D>
 void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const {
   const auto add = [&](int brick, const TangentRows& rows) {
-    if (model::isBrick(brick)) to.segment<D>(D * brick) += rows.transpose() * scale;
+    if (brick::isBrick(brick)) to.segment<D>(D * brick) += rows.transpose() * scale;
   };
   add(contact.brickA, tangentA);
   add(contact.brickB, tangentB);
@@ -107,15 +107,15 @@ typename ContactRow<D>::Tangent ContactRow<D>::trialSlipImpulse(const Eigen::Vec
 
 template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses) {
-  const model::Contact& contact = row.contact;
-  const Pose& poseA = model::poseOf(contact.brickA, poses);
-  const Vector3 normal = model::contactNormal(contact, poses);
-  const auto [onA, onB] = model::contactPoints(contact, poses);
+  const brick::Contact& contact = row.contact;
+  const Pose& poseA = brick::poseOf(contact.brickA, poses);
+  const Vector3 normal = brick::contactNormal(contact, poses);
+  const auto [onA, onB] = brick::contactPoints(contact, poses);
   const bool isCrossing = contact.isEdge && contact.isRegion;
   const Vector3 armA =
       isCrossing ? Vector3(onA - poseA.position) : Vector3(poseA.rotation * contact.pointA);
   Vector3 armB = Vector3::Zero();
-  if (model::isBrick(contact.brickB)) {
+  if (brick::isBrick(contact.brickB)) {
     // A plane of B rotates with B, so B's arm also ends at A's point.
     const Pose& poseB = poses[contact.brickB];
     armB = isCrossing       ? Vector3(onB - poseB.position)
@@ -133,12 +133,12 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
 }
 
 template <int D>
-ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, double step,
+ContactRow<D> makeContactRow(const brick::Contact& contact, const Poses& poses, double step,
                              double recovery) {
   ContactRow<D> row;
   row.contact = contact;
   placeRow(row, poses);
-  const double gap = model::contactGap(contact, poses);
+  const double gap = brick::contactGap(contact, poses);
   row.aim = std::min(0.0, gap + recovery);
   row.bias = std::max(0.0, gap) / step;
   return row;
@@ -146,8 +146,8 @@ ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, 
 
 template struct ContactRow<3>;
 template struct ContactRow<6>;
-template ContactRow<3> makeContactRow<3>(const model::Contact&, const Poses&, double, double);
-template ContactRow<6> makeContactRow<6>(const model::Contact&, const Poses&, double, double);
+template ContactRow<3> makeContactRow<3>(const brick::Contact&, const Poses&, double, double);
+template ContactRow<6> makeContactRow<6>(const brick::Contact&, const Poses&, double, double);
 template void placeRow<3>(ContactRow<3>&, const Poses&);
 template void placeRow<6>(ContactRow<6>&, const Poses&);
 
@@ -182,7 +182,7 @@ constexpr double kWorkOfRow = 500;
 
 /// Mass and inertia of a brick in world axes.
 template <int D>
-typename Coordinates<D>::Block massMatrix(const model::Brick& brick, const Pose& pose) {
+typename Coordinates<D>::Block massMatrix(const brick::Brick& brick, const Pose& pose) {
   return Coordinates<D>::inertia(brick.mass, brick.inertia, pose.rotation.toRotationMatrix());
 }
 
@@ -207,7 +207,7 @@ void BrickGraph::transfer(StateTape& tape) {
 }
 
 template <int D>
-SpringRows<D>::SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& graph)
+SpringRows<D>::SpringRows(std::vector<brick::HingeSpring> springs, BrickGraph& graph)
     : springs_(std::move(springs)), rows_(springs_.size()) {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     rows_[s].edge = graph.edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
@@ -217,10 +217,10 @@ SpringRows<D>::SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& g
 template <int D>
 void SpringRows<D>::begin(const Poses& poses, double step, const std::vector<bool>& held) {
   if (springs_.empty()) return;
-  const std::vector<double> moments = model::hingeMoments(springs_, poses);
+  const std::vector<double> moments = brick::hingeMoments(springs_, poses);
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const model::HingeSpring& spring = springs_[s];
-    const model::Hinge& hinge = spring.hinge;
+    const brick::HingeSpring& spring = springs_[s];
+    const brick::Hinge& hinge = spring.hinge;
     SpringRow<D>& row = rows_[s];
     row.b = Coordinates<D>::turning(poses[hinge.brickA].rotation * hinge.axis);
     row.a = -row.b;
@@ -238,7 +238,7 @@ void SpringRows<D>::clear() {
 
 template <int D>
 double SpringRows<D>::rate(std::size_t s, const Vector& x) const {
-  const model::Hinge& hinge = springs_[s].hinge;
+  const brick::Hinge& hinge = springs_[s].hinge;
   return rows_[s].a.dot(x.segment<D>(D * hinge.brickA)) +
          rows_[s].b.dot(x.segment<D>(D * hinge.brickB));
 }
@@ -246,7 +246,7 @@ double SpringRows<D>::rate(std::size_t s, const Vector& x) const {
 template <int D>
 void SpringRows<D>::addForce(double step, Vector& f) const {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const model::Hinge& hinge = springs_[s].hinge;
+    const brick::Hinge& hinge = springs_[s].hinge;
     f.segment<D>(D * hinge.brickA) += step * rows_[s].moment * rows_[s].a.transpose();
     f.segment<D>(D * hinge.brickB) += step * rows_[s].moment * rows_[s].b.transpose();
   }
@@ -255,7 +255,7 @@ void SpringRows<D>::addForce(double step, Vector& f) const {
 template <int D>
 void SpringRows<D>::addProduct(const Vector& x, Vector& to) const {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const model::Hinge& hinge = springs_[s].hinge;
+    const brick::Hinge& hinge = springs_[s].hinge;
     const double share = rows_[s].weight * rate(s, x);
     to.segment<D>(D * hinge.brickA) += share * rows_[s].a.transpose();
     to.segment<D>(D * hinge.brickB) += share * rows_[s].b.transpose();
@@ -294,9 +294,9 @@ namespace {
 
 /// An energy in D coordinates per brick.
 template <int D>
-auto restricted(const model::PairEnergy& energy) {
+auto restricted(const brick::PairEnergy& energy) {
   if constexpr (D == 3) {
-    return model::inPlane(energy);
+    return brick::inPlane(energy);
   } else {
     return energy;
   }
@@ -321,9 +321,9 @@ void addPair(const PairOnGraph& pair, const typename PairBlocks<D>::PairVector& 
 }  // namespace
 
 template <int D>
-PairBlocks<D>::PairBlocks(const model::PairForces& forces, double lengthScale, BrickGraph& graph)
+PairBlocks<D>::PairBlocks(const brick::PairForces& forces, double lengthScale, BrickGraph& graph)
     : lengthScale_(lengthScale) {
-  for (const std::shared_ptr<const model::PairForce>& force : forces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : forces) {
     // Springs at hinges are rows, see SpringRows.
     if (force->hingeSprings()) continue;
     forces_.add(force);
@@ -384,7 +384,7 @@ template <int D>
 void PairBlocks<D>::setAbout(const Vector& x0, Curvature curvature) {
   const Poses poses = posesAfter(step_ * x0);
   auto block = blocks_.begin();
-  for (const std::shared_ptr<const model::PairForce>& force : forces_) {
+  for (const std::shared_ptr<const brick::PairForce>& force : forces_) {
     for (std::size_t pair = 0; pair < force->size(); ++pair, ++block) {
       const auto energy = restricted<D>(force->derivatives(pair, poses));
       const bool isWhole = curvature == Curvature::Whole;
@@ -427,9 +427,9 @@ void PairBlocks<D>::addProduct(const Vector& x, Vector& to) const {
 // The system.
 
 template <int D>
-StepSystem<D>::StepSystem(const std::vector<model::Brick>& bricks,
-                          std::span<const model::Pivot> pivots, double lengthScale,
-                          const model::PairForces& pairForces)
+StepSystem<D>::StepSystem(const std::vector<brick::Brick>& bricks,
+                          std::span<const brick::Pivot> pivots, double lengthScale,
+                          const brick::PairForces& pairForces)
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
@@ -438,7 +438,7 @@ StepSystem<D>::StepSystem(const std::vector<model::Brick>& bricks,
       pairBlocks_({}, lengthScale, graph_),
       A_(bricks.size()),
       f_(D * bricks.size()) {
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     // In the plane both faces' pivots coincide.
     if (D == 6 || !pivot.isUpper) pivots_.push_back(pivot);
   }
@@ -447,7 +447,7 @@ StepSystem<D>::StepSystem(const std::vector<model::Brick>& bricks,
     jointRows_[p].edge = graph_.edgeOf(pivots_[p].brickA, pivots_[p].brickB);
   }
   // After the joints, because the order of edges determines the rounding.
-  springs_ = SpringRows<D>(model::hingeSpringsOf(pairForces), graph_);
+  springs_ = SpringRows<D>(brick::hingeSpringsOf(pairForces), graph_);
   pairBlocks_ = PairBlocks<D>(pairForces, lengthScale, graph_);
 }
 
@@ -466,7 +466,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
 }
 
 template <int D>
-void StepSystem<D>::setStep(const Motion& motion, const std::vector<model::Load>& loads,
+void StepSystem<D>::setStep(const Motion& motion, const std::vector<brick::Load>& loads,
                             double step, double jointStiffness) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -509,7 +509,7 @@ template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    const model::Pivot& pivot = pivots_[p];
+    const brick::Pivot& pivot = pivots_[p];
     JointRows<D>& rows = jointRows_[p];
     rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
     rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
@@ -521,7 +521,7 @@ void StepSystem<D>::placeJoints(const Poses& poses) {
 
 /// A link is one row, the velocity along it; its other rows are empty.
 template <int D>
-void StepSystem<D>::keepLengthwiseRow(const model::Pivot& pivot, const Poses& poses,
+void StepSystem<D>::keepLengthwiseRow(const brick::Pivot& pivot, const Poses& poses,
                                       JointRows<D>& rows) {
   const typename Space::Gap along =
       Space::gap(poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
@@ -543,8 +543,8 @@ void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
                                     const Weight& weight) {
   const Eigen::Matrix<double, D, kRows> weightedA = a.transpose() * weight;
   const Eigen::Matrix<double, D, kRows> weightedB = b.transpose() * weight;
-  if (model::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
-  if (model::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
+  if (brick::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
+  if (brick::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
   if (!pair.hasEdge()) return;
   if (pair.brickA < pair.brickB) {
     matrix_.addToOffDiagonal(pair.edge, weightedA.lazyProduct(b));
@@ -566,7 +566,7 @@ template <int D>
 void StepSystem<D>::addSpringsToMatrix() {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     const SpringRow<D>& row = springs_.row(s);
-    const model::Hinge& hinge = springs_.spring(s).hinge;
+    const brick::Hinge& hinge = springs_.spring(s).hinge;
     if (row.weight == 0) continue;
     addRowsToMatrix<1>({hinge.brickA, hinge.brickB, row.edge}, row.a, row.b, row.weight);
   }
@@ -626,7 +626,7 @@ double StepSystem<D>::kineticEnergy(const Poses& poses, const Vector& x) const {
 }
 
 template <int D>
-double StepSystem<D>::workAgainst(const std::vector<model::Load>& loads, const Vector& first,
+double StepSystem<D>::workAgainst(const std::vector<brick::Load>& loads, const Vector& first,
                                   const Vector& further) const {
   double work = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -700,7 +700,7 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   Vector result(jointRowCount());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    const model::Pivot& pivot = pivots_[p];
+    const brick::Pivot& pivot = pivots_[p];
     const Vector3 between = poses[pivot.brickA].position - poses[pivot.brickB].position +
                             turns[pivot.brickA] * pivot.pointA - turns[pivot.brickB] * pivot.pointB;
     typename Space::Gap gap = Space::gap(between);

@@ -8,11 +8,11 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
+#include "sim/brick/hinge.h"
+#include "sim/brick/pair_force.h"
 #include "sim/mechanics/block_cholesky.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
-#include "sim/model/hinge.h"
-#include "sim/model/pair_force.h"
 
 namespace kirireel::mechanics {
 
@@ -170,7 +170,7 @@ struct ContactRow {
   /// Two rows and columns, one per tangent.
   using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
 
-  model::Contact contact;  ///< as it was found
+  brick::Contact contact;  ///< as it was found
   bool hasNormal = true;   ///< false for rows with only friction
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
   /// Undefined for fixed bodies.
@@ -221,7 +221,7 @@ struct ContactRow {
 /// initial overlap, since removing it by a velocity would add energy. Closing reduces it by
 /// `recovery` metres.
 template <int D>
-ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, double step,
+ContactRow<D> makeContactRow(const brick::Contact& contact, const Poses& poses, double step,
                              double recovery);
 
 /// Sets the row's directions for its contact at these poses.
@@ -232,7 +232,7 @@ void placeRow(ContactRow<D>& row, const Poses& poses);
 template <int D, typename Iterator>
 Iterator endOfPlane(Iterator first, Iterator end) {
   return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
-    return !row.hasNormal || !model::onOnePlane(first->contact, row.contact);
+    return !row.hasNormal || !brick::onOnePlane(first->contact, row.contact);
   });
 }
 
@@ -261,14 +261,14 @@ class BrickGraph {
   bool hasGrown_ = true;
 };
 
-/// Two bricks, or a brick and a fixed body (see model::isBrick), and their edge of the graph.
+/// Two bricks, or a brick and a fixed body (see brick::isBrick), and their edge of the graph.
 struct PairOnGraph {
   int brickA = 0;  ///< its number, >= 0, or below 0
   int brickB = 0;  ///< the same
   int edge = 0;    ///< its number in the graph, if it exists
 
   /// Whether both move.
-  bool hasEdge() const { return model::isBrick(brickA) && model::isBrick(brickB); }
+  bool hasEdge() const { return brick::isBrick(brickA) && brick::isBrick(brickB); }
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -292,12 +292,12 @@ class SpringRows {
   using Vector = Eigen::VectorXd;
 
   /// Of these springs, in their order; each pair becomes an edge of the graph.
-  SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& graph);
+  SpringRows(std::vector<brick::HingeSpring> springs, BrickGraph& graph);
 
   /// The number of springs.
   std::size_t size() const { return springs_.size(); }
   /// A spring by its number, >= 0.
-  const model::HingeSpring& spring(std::size_t s) const { return springs_[s]; }
+  const brick::HingeSpring& spring(std::size_t s) const { return springs_[s]; }
   /// The row of a spring, by the same number.
   const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
 
@@ -319,7 +319,7 @@ class SpringRows {
   double damped(double step, const Vector& x) const;
 
  private:
-  std::vector<model::HingeSpring> springs_;
+  std::vector<brick::HingeSpring> springs_;
   std::vector<SpringRow<D>> rows_;
 };
 
@@ -354,7 +354,7 @@ class PairBlocks {
 
   /// `lengthScale` in metres makes rotations and translations comparable. Springs at hinges are
   /// omitted. Each pair becomes an edge of the graph.
-  PairBlocks(const model::PairForces& forces, double lengthScale, BrickGraph& graph);
+  PairBlocks(const brick::PairForces& forces, double lengthScale, BrickGraph& graph);
 
   /// Whether there are no such forces.
   bool empty() const { return blocks_.empty(); }
@@ -381,7 +381,7 @@ class PairBlocks {
   PairMatrix withoutNegative(const PairMatrix& matrix) const;
   void omitHeld(PairBlock& block) const;
 
-  model::PairForces forces_;
+  brick::PairForces forces_;
   double lengthScale_;
   std::vector<PairBlock> blocks_;  // force by force, pair by pair
   Poses start_;
@@ -427,15 +427,15 @@ class StepSystem {
 
   /// `lengthScale` in metres makes rotations and translations comparable. Springs among
   /// `pairForces` are at hinges of the pivots; ligaments need D = 3.
-  StepSystem(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
-             double lengthScale, const model::PairForces& pairForces = {});
+  StepSystem(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots,
+             double lengthScale, const brick::PairForces& pairForces = {});
 
   /// The number of bricks.
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   /// The rows of all pivots together.
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
   /// Pivots with rows. A planar scene has one for both faces.
-  std::span<const model::Pivot> pivots() const { return pivots_; }
+  std::span<const brick::Pivot> pivots() const { return pivots_; }
   /// Whether there is any pivot.
   bool hasJoints() const { return !pivots_.empty(); }
 
@@ -444,7 +444,7 @@ class StepSystem {
 
   /// Sets A and f from the motion at the start of a step, without pair blocks. `jointStiffness` in
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
-  void setStep(const Motion& motion, const std::vector<model::Load>& loads, double step,
+  void setStep(const Motion& motion, const std::vector<brick::Load>& loads, double step,
                double jointStiffness);
   /// Whether there are pair forces other than springs at hinges.
   bool hasPairBlocks() const { return !pairBlocks_.empty(); }
@@ -469,7 +469,7 @@ class StepSystem {
   double kineticEnergy(const Poses& poses, const Vector& x) const;
   /// Work of a displacement `further` after `first`, joules: against the loads, the hinge springs
   /// as last set, and the other pair forces.
-  double workAgainst(const std::vector<model::Load>& loads, const Vector& first,
+  double workAgainst(const std::vector<brick::Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// Energy that the hinges' dashpots dissipate in a step with velocities x, joules.
   double dampedBySprings(double step, const Vector& x) const;
@@ -501,7 +501,7 @@ class StepSystem {
   void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
-  void keepLengthwiseRow(const model::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
+  void keepLengthwiseRow(const brick::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
   template <int kRows, typename Weight>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
@@ -511,9 +511,9 @@ class StepSystem {
   void addPairBlocksToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   double lengthScale_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Pivot> pivots_;
   std::vector<bool> pinned_;
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;

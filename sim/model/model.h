@@ -13,6 +13,9 @@
 
 namespace kirireel::model {
 
+/// Maximum number of vertices of a tile.
+inline constexpr std::size_t kMostTileVertices = 300;
+
 /// A planar polygon whose sides do not cross, convex or not: one line of vertices.txt.
 struct Tile {
   std::vector<Vector3> vertices;  ///< at least 3, metres, anticlockwise seen from the tile's normal

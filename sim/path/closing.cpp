@@ -21,7 +21,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/hinge.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/scene/scene_needs.h"
@@ -56,9 +56,9 @@ constexpr int kBisections = 40;
 // Maximum number of moves that close rounded joints beyond the first order.
 constexpr int kClosingMoves = 4;
 
-std::vector<model::Brick> bricksOfMetric(const scene::Scene& scene) {
-  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  for (model::Brick& brick : bricks) {
+std::vector<brick::Brick> bricksOfMetric(const scene::Scene& scene) {
+  std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  for (brick::Brick& brick : bricks) {
     const double radius = run::gyrationRadius(brick);
     brick.mass = 1;
     brick.inertia = radius * radius * Matrix3::Identity();
@@ -98,10 +98,10 @@ class ClosingPath {
               const PathObserver& shouldContinue, run::GeometricPath& found)
       : scene_(withoutSurroundings(scene)),
         tile_(model::tileSize(scene.model)),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         metric_(bricksOfMetric(scene)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
-        hinges_(model::findHinges(bricks_, pivots_, scene::sceneNeeds(scene).planar.on).hinges),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
+        hinges_(brick::findHinges(bricks_, pivots_, scene::sceneNeeds(scene).planar.on).hinges),
         jointStiffness_(run::roundedJointStiffness(scene.model)),
         dynamics_(run::makeDynamics(scene_, scene::sceneNeeds(scene), metric_,
                                     found.path.states.front())),
@@ -186,7 +186,7 @@ class ClosingPath {
     const Poses& state = path_.states[static_cast<std::size_t>(half - path_.lengths.begin())];
     const bool isPlanar = scene::sceneNeeds(scene_).planar.on;
     const trajectory::Mobility left = trajectory::mobility(
-        scene_.model, model::bottomTiles(bricks_, state),
+        scene_.model, brick::bottomTiles(bricks_, state),
         isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space, scene_.brick.thickness);
     if (!left.isCounted || left.freedoms <= 1) return;
     throw InputError(
@@ -221,8 +221,8 @@ class ClosingPath {
       budget_.spend(100.0 * static_cast<double>(bricks_.size() * bricks_.size()));
       return run::closeInPlace(poses, *dynamics_);
     }
-    const auto withoutForces = [](const Poses&, std::vector<model::Load>& loads) {
-      std::ranges::fill(loads, model::Load{});
+    const auto withoutForces = [](const Poses&, std::vector<brick::Load>& loads) {
+      std::ranges::fill(loads, brick::Load{});
     };
     for (int k = 0; k < kClosingMoves; ++k) {
       Motion motion{poses, std::vector<Velocity>(poses.size())};
@@ -239,7 +239,7 @@ class ClosingPath {
   std::vector<double> gapsAt(const Poses& poses, const std::vector<double>& before = {}) const {
     std::vector<double> gaps;
     for (std::size_t k = 0; k < hinges_.size(); ++k) {
-      double gap = model::hingeAngle(hinges_[k], poses) - hinges_[k].least;
+      double gap = brick::hingeAngle(hinges_[k], poses) - hinges_[k].least;
       if (!before.empty()) {
         constexpr double kTurn = 2 * std::numbers::pi;
         gap += kTurn * std::round((before[2 * k] - gap) / kTurn);
@@ -333,10 +333,10 @@ class ClosingPath {
 
   scene::Scene scene_;
   double tile_;                       // metres
-  std::vector<model::Brick> bricks_;  // of the scene
-  std::vector<model::Brick> metric_;  // the same with the path's metric as masses
-  std::vector<model::Pivot> pivots_;
-  std::vector<model::Hinge> hinges_;
+  std::vector<brick::Brick> bricks_;  // of the scene
+  std::vector<brick::Brick> metric_;  // the same with the path's metric as masses
+  std::vector<brick::Pivot> pivots_;
+  std::vector<brick::Hinge> hinges_;
   double jointStiffness_;
   std::unique_ptr<run::Dynamics> dynamics_;  // closes joints
   trajectory::PenetrationMeter meter_;

@@ -112,9 +112,9 @@ constexpr double kPerturbation = 0.02;
 constexpr double kMoreExtent = 1e-6;
 
 /// The same bricks, with the path's metric instead of their masses and inertias.
-std::vector<model::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
-  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  for (model::Brick& brick : bricks) {
+std::vector<brick::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
+  std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  for (brick::Brick& brick : bricks) {
     const double radius = run::gyrationRadius(brick);
     brick.mass = 1;
     brick.inertia = turnWeight * radius * radius * Matrix3::Identity();
@@ -196,7 +196,7 @@ class Mechanism {
     }
   }
 
-  const std::vector<model::Brick>& bricks() const { return bricks_; }
+  const std::vector<brick::Brick>& bricks() const { return bricks_; }
   bool close(Poses& poses) { return run::closeInPlace(poses, *dynamics_); }
   void restore(const run::SymmetricStates& symmetries, Poses& poses) {
     symmetries.restore(poses, *dynamics_);
@@ -254,8 +254,8 @@ class Mechanism {
     return velocities;
   }
 
-  static void withoutForces(const Poses&, std::vector<model::Load>& loads) {
-    std::ranges::fill(loads, model::Load{});
+  static void withoutForces(const Poses&, std::vector<brick::Load>& loads) {
+    std::ranges::fill(loads, brick::Load{});
   }
 
   const scene::Scene& scene_;
@@ -263,7 +263,7 @@ class Mechanism {
   double turnWeight_;
   double tile_;     // metres
   double aim_ = 1;  // the fraction of the distance at which moves aim, (0, 1]
-  std::vector<model::Brick> bricks_;
+  std::vector<brick::Brick> bricks_;
   std::unique_ptr<run::Dynamics> dynamics_;
 };
 
@@ -473,8 +473,8 @@ class Continuation {
 
   /// Comes nearer to the goal with softer joints, as long as they stay closed within the rounding.
   void soften(const Poses& goal) {
-    const std::vector<model::Pivot> pivots =
-        model::makePivots(scene_.model.joints, mechanism_.bricks());
+    const std::vector<brick::Pivot> pivots =
+        brick::makePivots(scene_.model.joints, mechanism_.bricks());
     run::softenWhileClosed(scene_.model, [&](double stiffness) {
       const Poses before = poses_;
       const run::MechanismPath soFar = path_;
@@ -541,7 +541,7 @@ run::MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> g
 }
 
 /// Ends a path at its state nearest to a place.
-void endNearest(const std::vector<model::Brick>& bricks, const Poses& place,
+void endNearest(const std::vector<brick::Brick>& bricks, const Poses& place,
                 run::MechanismPath& path) {
   const auto nearest = std::ranges::min_element(
       path.states, {}, [&](const Poses& state) { return run::pathDistance(bricks, state, place); });
@@ -549,7 +549,7 @@ void endNearest(const std::vector<model::Brick>& bricks, const Poses& place,
 }
 
 /// Recomputes the lengths of a path whose states have changed.
-void measureLengths(const std::vector<model::Brick>& bricks, run::MechanismPath& path) {
+void measureLengths(const std::vector<brick::Brick>& bricks, run::MechanismPath& path) {
   path.lengths = {0};
   for (std::size_t k = 1; k < path.states.size(); ++k) {
     path.lengths.push_back(path.length() +
@@ -564,7 +564,7 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
     copy.environment = scene::Environment{};
     return copy;
   }();
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const auto dynamics = run::makeDynamics(bare, scene::sceneNeeds(bare), bricks, states.front());
   const double reach = run::roundedReach(scene.model);
   return std::ranges::all_of(states, [&](const Poses& state) {
@@ -576,8 +576,8 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
 /// Ends a path at its last state before joints open by more than the rounding of the coordinates
 /// explains; see roundedReach().
 void endBeforeJointsOpen(const scene::Scene& scene, run::MechanismPath& path) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   const auto isOpen = [&](const Poses& state) {
     return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
   };
@@ -595,8 +595,8 @@ run::MechanismPath closedExactly(const scene::Scene& scene, run::MechanismPath r
                                  run::SearchBudget& budget, const PathObserver& shouldContinue) {
   rounded.isRounded = true;
   if (rounded.isStuck || rounded.isCutShort) return rounded;
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   rounded.isStuck = std::ranges::any_of(rounded.states, [&](const Poses& state) {
     return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
   });
@@ -637,7 +637,7 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
                                     run::SearchBudget& budget, const PathObserver& shouldContinue) {
   const Poses start = guide.front(), goal = guide.back();
   std::ranges::reverse(guide);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const double near = kNoFarther * model::tileSize(scene.model);
   const auto isAtStart = [&](const run::MechanismPath& path) {
     return run::pathDistance(bricks, path.states.back(), start) <= near;
@@ -666,7 +666,7 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
 run::MechanismPath continueToExtension(const scene::Scene& scene, run::SearchBudget& budget,
                                        const PathObserver& shouldContinue) {
   const Poses start =
-      model::startPoses(scene.model.tiles, model::makeBricks(scene.model.tiles, scene.brick));
+      brick::startPoses(scene.model.tiles, brick::makeBricks(scene.model.tiles, scene.brick));
   const double closed = run::roundedJointStiffness(scene.model);
   const double before = budget.spent();
   run::MechanismPath path =

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/run/search_budget.h"
 #include "sim/scene/scene.h"
@@ -79,7 +79,7 @@ run::MechanismPath continueToExtension(const scene::Scene& scene, run::SearchBud
 class PathGuide {
  public:
   /// Needs at least two states with one pose per brick.
-  PathGuide(const std::vector<model::Brick>& bricks, std::vector<Poses> states)
+  PathGuide(const std::vector<brick::Brick>& bricks, std::vector<Poses> states)
       : states_(std::move(states)) {
     for (std::size_t k = 1; k < states_.size(); ++k) {
       lengths_.push_back(lengths_.back() + run::pathDistance(bricks, states_[k - 1], states_[k]));

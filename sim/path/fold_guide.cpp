@@ -93,14 +93,14 @@ class SmallMotion {
 
 }  // namespace
 
-FoldGuide::FoldGuide(Poses goal, const model::Model& model, const std::vector<model::Brick>& bricks,
-                     const std::vector<model::Pivot>& pivots)
+FoldGuide::FoldGuide(Poses goal, const model::Model& model, const std::vector<brick::Brick>& bricks,
+                     const std::vector<brick::Pivot>& pivots)
     : goal_(std::move(goal)), bricks_(bricks), pivots_(pivots), tile_(model::tileSize(model)) {
   if (model.foldAngles.empty()) return;
-  for (const model::Hinge& hinge : model::findHinges(bricks, pivots, false).hinges) {
+  for (const brick::Hinge& hinge : brick::findHinges(bricks, pivots, false).hinges) {
     const auto fold = model.foldAngles.find({hinge.brickA, hinge.brickB});
     if (fold == model.foldAngles.end()) continue;
-    const double angle = std::abs(model::hingeAngle(hinge, goal_));
+    const double angle = std::abs(brick::hingeAngle(hinge, goal_));
     folds_.push_back({hinge, std::copysign(angle, fold->second),
                       std::abs(std::numbers::pi - angle) < kHalfTurn});
   }
@@ -109,7 +109,7 @@ FoldGuide::FoldGuide(Poses goal, const model::Model& model, const std::vector<mo
 
 bool FoldGuide::isOnWrongSide(const Poses& halfway) const {
   return std::ranges::any_of(folds_, [&](const SignedFold& fold) {
-    const double angle = std::copysign(1.0, fold.angle) * model::hingeAngle(fold.hinge, halfway);
+    const double angle = std::copysign(1.0, fold.angle) * brick::hingeAngle(fold.hinge, halfway);
     return fold.isHalfTurn && angle < -kWrongSide && angle > kWrongSide - std::numbers::pi;
   });
 }
@@ -118,11 +118,11 @@ bool FoldGuide::isOnWrongSide(const Poses& halfway) const {
 Poses FoldGuide::opened(const Poses& poses) const {
   SmallMotion motion(poses.size(), tile_);
   for (const SignedFold& fold : folds_) {
-    const model::Hinge& hinge = fold.hinge;
+    const brick::Hinge& hinge = fold.hinge;
     motion.addTurns(hinge.brickA, hinge.brickB,
                     -fold.angle / kSteps * (poses[hinge.brickA].rotation * hinge.axis));
   }
-  for (const model::Pivot& pivot : pivots_) {
+  for (const brick::Pivot& pivot : pivots_) {
     if (pivot.distance > 0) continue;
     const Pose &a = poses[pivot.brickA], &b = poses[pivot.brickB];
     motion.addPoints(pivot.brickA, pivot.brickB, a.rotation * pivot.pointA,

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 
 namespace kirireel::path {
 
 /// A fold of a model with an angle in its file.
 struct SignedFold {
-  model::Hinge hinge;
+  brick::Hinge hinge;
   double angle = 0;         ///< at the goal, with the sign in Model::foldAngles, radians
   bool isHalfTurn = false;  ///< the poses at the goal do not define the sign
 };
@@ -22,8 +22,8 @@ struct SignedFold {
 class FoldGuide {
  public:
   /// `bricks` are the model's at the start. Joints are closed at the goal.
-  FoldGuide(Poses goal, const model::Model& model, const std::vector<model::Brick>& bricks,
-            const std::vector<model::Pivot>& pivots);
+  FoldGuide(Poses goal, const model::Model& model, const std::vector<brick::Brick>& bricks,
+            const std::vector<brick::Pivot>& pivots);
 
   /// A guide from a start to the goal. In the states between them all folds are open by the same
   /// part of their angle, on the side in Model::foldAngles. Joints are nearly closed there.
@@ -37,8 +37,8 @@ class FoldGuide {
   void takeBackRigidMotion(const Poses& start, std::vector<Poses>& states) const;
 
   Poses goal_;
-  const std::vector<model::Brick>& bricks_;
-  const std::vector<model::Pivot>& pivots_;
+  const std::vector<brick::Brick>& bricks_;
+  const std::vector<brick::Pivot>& pivots_;
   double tile_;                    // metres
   std::vector<SignedFold> folds_;  // empty if none is half a turn
 };

@@ -56,16 +56,16 @@ Vector3 middleOfNearest(const std::array<Vector3, 2>& p, const std::array<Vector
 
 }  // namespace
 
-NearGapFinder::NearGapFinder(const std::vector<model::Brick>& bricks,
-                             std::span<const model::Pivot> pivots, scene::ContactFilter contacts,
+NearGapFinder::NearGapFinder(const std::vector<brick::Brick>& bricks,
+                             std::span<const brick::Pivot> pivots, scene::ContactFilter contacts,
                              double pivotZone, bool planar, const Poses& start)
     : planar_(planar) {
-  const auto joined = model::sharedCorners(pivots);
-  std::vector<std::vector<model::BrickPiece>> pieces;
+  const auto joined = brick::sharedCorners(pivots);
+  std::vector<std::vector<brick::BrickPiece>> pieces;
   std::vector<std::vector<std::size_t>> whole;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     radii_.push_back(contacts::outerRadius(brick));
-    pieces.push_back(model::convexPieces(brick, static_cast<int>(pieces.size())));
+    pieces.push_back(brick::convexPieces(brick, static_cast<int>(pieces.size())));
     whole.push_back(addOutlines(pieces.back(), {}, 0));
   }
   const int count = static_cast<int>(bricks.size());
@@ -75,7 +75,7 @@ NearGapFinder::NearGapFinder(const std::vector<model::Brick>& bricks,
       if (corners == joined.end()) {
         addPairs(a, b, whole[a], whole[b]);
       } else if (contacts == scene::ContactFilter::All && !corners->second.areOneTile) {
-        const double length = model::cutLength(bricks[a], bricks[b], pivotZone);
+        const double length = brick::cutLength(bricks[a], bricks[b], pivotZone);
         addPairs(a, b, addOutlines(pieces[a], corners->second.ofA, length),
                  addOutlines(pieces[b], corners->second.ofB, length));
       }
@@ -89,14 +89,14 @@ NearGapFinder::NearGapFinder(const std::vector<model::Brick>& bricks,
   }
 }
 
-std::vector<std::size_t> NearGapFinder::addOutlines(const std::vector<model::BrickPiece>& pieces,
+std::vector<std::size_t> NearGapFinder::addOutlines(const std::vector<brick::BrickPiece>& pieces,
                                                     const std::vector<int>& withoutCorners,
                                                     double length) {
   std::vector<std::size_t> added;
-  for (const model::BrickPiece& piece : pieces) {
+  for (const brick::BrickPiece& piece : pieces) {
     added.push_back(outlines_.size());
     outlines_.push_back(contacts::makeOutline(
-        length > 0 ? model::withoutCorners(piece, withoutCorners, length) : piece.shape, planar_));
+        length > 0 ? brick::withoutCorners(piece, withoutCorners, length) : piece.shape, planar_));
   }
   return added;
 }

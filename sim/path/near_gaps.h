@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/brick/brick.h"
 #include "sim/contacts/contact_finder.h"
-#include "sim/model/brick.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::path {
@@ -25,12 +25,12 @@ struct NearGap {
 
 /// Finds the gaps of bricks that may touch. For each pair of convex pieces nearer than a margin, it
 /// uses the best separating plane and the points close to it. Joined bricks are compared without
-/// the corners that they share (sim/model/contact.h).
+/// the corners that they share (sim/brick/contact.h).
 class NearGapFinder {
  public:
   /// `contacts`: which pairs may touch. `planar`: uses only the outlines in the plane. Pairs may
   /// keep the overlap that they have at `start`. Bricks are copied.
-  NearGapFinder(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+  NearGapFinder(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots,
                 scene::ContactFilter contacts, double pivotZone, bool planar, const Poses& start);
 
   /// The gaps of pairs that are nearer than `margin` metres, in order of bricks. Each pair has the
@@ -46,7 +46,7 @@ class NearGapFinder {
     std::size_t known = 0;  // plane that separated the pair at the last check
   };
 
-  std::vector<std::size_t> addOutlines(const std::vector<model::BrickPiece>& pieces,
+  std::vector<std::size_t> addOutlines(const std::vector<brick::BrickPiece>& pieces,
                                        const std::vector<int>& withoutCorners, double length);
   void addPairs(int a, int b, const std::vector<std::size_t>& outlinesA,
                 const std::vector<std::size_t>& outlinesB);

@@ -36,7 +36,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/model/contact.h"
+#include "sim/brick/contact.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
@@ -186,8 +186,8 @@ class TrialOverlaps {
       : isOfUnjoined_(requested == scene::ContactFilter::Unjoined),
         most_(run::kClearShare * model::tileSize(scene.model)),
         zone_(scene.environment.pivotZone),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)) {}
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)) {}
 
   /// Subscribes to the trial's samples if they are needed.
   void watch(run::RunObservers& observers) {
@@ -211,7 +211,7 @@ class TrialOverlaps {
   void check(const Poses& poses) {
     const bool isStart = !atStart_;
     if (isStart) atStart_.emplace();
-    const auto joined = model::sharedCorners(pivots_);
+    const auto joined = brick::sharedCorners(pivots_);
     for (const trajectory::Penetration& found : trajectory::penetrationsOutsidePivots(
              bricks_, pivots_, zone_, poses, isStart ? 0 : most_)) {
       const std::pair pair(found.brickA, found.brickB);
@@ -225,8 +225,8 @@ class TrialOverlaps {
   bool isOfUnjoined_;
   double most_;  // allowed growth of an overlap, metres
   double zone_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   bool isCollisionFree_ = true;
   std::optional<std::map<std::pair<int, int>, double>> atStart_;  // overlap per pair, metres
 };

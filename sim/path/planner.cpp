@@ -108,7 +108,7 @@ constexpr double kRoughAngle = 30 * kDegree;
 
 /// The velocities of all tiles between two states, relative to the time between them. Rotations
 /// count by their arc at the radius of gyration.
-std::vector<Vector3> velocitiesBetween(const std::vector<model::Brick>& bricks, const Poses& from,
+std::vector<Vector3> velocitiesBetween(const std::vector<brick::Brick>& bricks, const Poses& from,
                                        const Poses& to) {
   std::vector<Vector3> velocities;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -126,7 +126,7 @@ double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
 }
 
 /// The vertices of all tiles.
-std::vector<Vector3> verticesOf(const std::vector<model::Brick>& bricks, const Poses& poses) {
+std::vector<Vector3> verticesOf(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> vertices;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     for (const Vector3& point : bricks[i].bottom) vertices.push_back(poses[i].apply(point));
@@ -135,7 +135,7 @@ std::vector<Vector3> verticesOf(const std::vector<model::Brick>& bricks, const P
 }
 
 /// Measures the variation of the tiles' motion between frames, along a path at constant speed.
-void measureRoughness(const std::vector<model::Brick>& bricks, const run::MechanismPath& path,
+void measureRoughness(const std::vector<brick::Brick>& bricks, const run::MechanismPath& path,
                       run::PathEvaluation& evaluation) {
   evaluation.roughFrames = 0;
   evaluation.stepChange = evaluation.largestTurn = 0;
@@ -192,8 +192,8 @@ constexpr std::size_t kTogether = 6;
 /// Measures a path except for its end, error and work. The scene has the contacts that were
 /// requested.
 void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
   run::PathEvaluation& evaluation = found.evaluation;
   trajectory::PenetrationMeter meter =
@@ -356,9 +356,9 @@ class Planner {
         budget_(budget),
         observer_(observer),
         tile_(model::tileSize(scene.model)),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
-        start_(model::startPoses(scene.model.tiles, bricks_)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
+        start_(brick::startPoses(scene.model.tiles, bricks_)),
         folds_(nearest.poses, scene.model, bricks_, pivots_) {}
 
   PlannedPath find() {
@@ -563,8 +563,8 @@ class Planner {
   run::SearchBudget& budget_;
   const run::TrialObserver& observer_;
   double tile_;  // metres
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   Poses start_, closedStart_;    // as read, and with closed joints
   FoldGuide folds_;
   std::vector<Poses> previous_;  // the last path without contacts and with compliant joints

@@ -94,11 +94,11 @@ constexpr double kProgramCost = 80;
 /// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
 class Joints {
  public:
-  Joints(const std::vector<model::Brick>& bricks, const std::vector<model::Pivot>& pivots,
+  Joints(const std::vector<brick::Brick>& bricks, const std::vector<brick::Pivot>& pivots,
          bool isPlanar)
       : isPlanar_(isPlanar), count_(static_cast<int>(bricks.size())) {
-    for (const model::Brick& brick : bricks) radii_.push_back(run::gyrationRadius(brick));
-    for (const model::Pivot& pivot : pivots) {
+    for (const brick::Brick& brick : bricks) radii_.push_back(run::gyrationRadius(brick));
+    for (const brick::Pivot& pivot : pivots) {
       if (isPlanar && pivot.isUpper) continue;
       pivots_.push_back(pivot);
       rows_ += rowsOf(pivot);
@@ -115,7 +115,7 @@ class Joints {
   VectorXd gaps(const Poses& poses) const {
     VectorXd values(rows_);
     int row = 0;
-    for (const model::Pivot& pivot : pivots_) {
+    for (const brick::Pivot& pivot : pivots_) {
       const Vector3 apart = apartOf(pivot, poses);
       if (pivot.distance > 0) {
         values[row] = apart.norm() - pivot.distance;
@@ -130,7 +130,7 @@ class Joints {
   SparseMatrix jacobian(const Poses& poses) const {
     std::vector<Eigen::Triplet<double>> entries;
     int row = 0;
-    for (const model::Pivot& pivot : pivots_) {
+    for (const brick::Pivot& pivot : pivots_) {
       Eigen::Matrix3d axes = Matrix3::Identity();
       if (pivot.distance > 0) axes.row(0) = apartOf(pivot, poses).normalized();
       for (int k = 0; k < rowsOf(pivot); ++k, ++row) {
@@ -164,16 +164,16 @@ class Joints {
   int component(int k) const { return isPlanar_ && k == 2 ? 5 : k; }
 
  private:
-  int rowsOf(const model::Pivot& pivot) const { return pivot.distance > 0 ? 1 : isPlanar_ ? 2 : 3; }
+  int rowsOf(const brick::Pivot& pivot) const { return pivot.distance > 0 ? 1 : isPlanar_ ? 2 : 3; }
 
-  static Vector3 apartOf(const model::Pivot& pivot, const Poses& poses) {
-    return model::poseOf(pivot.brickA, poses).apply(pivot.pointA) -
-           model::poseOf(pivot.brickB, poses).apply(pivot.pointB);
+  static Vector3 apartOf(const brick::Pivot& pivot, const Poses& poses) {
+    return brick::poseOf(pivot.brickA, poses).apply(pivot.pointA) -
+           brick::poseOf(pivot.brickB, poses).apply(pivot.pointB);
   }
 
   void addRow(int row, int brick, const Vector3& axis, const Vector3& point, const Poses& poses,
               std::vector<Eigen::Triplet<double>>& entries) const {
-    if (!model::isBrick(brick)) return;
+    if (!brick::isBrick(brick)) return;
     Vector6 form;
     form << axis, (poses[brick].rotation * point).cross(axis);
     for (int k = 0; k < freedoms(); ++k) {
@@ -185,7 +185,7 @@ class Joints {
   int count_;  // bricks
   int rows_ = 0;
   std::vector<double> radii_;  // of gyration, metres
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Pivot> pivots_;
 };
 
 /// Moves of least length that change the gaps of joints by given amounts at one state.
@@ -227,8 +227,8 @@ class Smoothing {
         tile_(model::tileSize(scene.model)),
         isPlanar_(scene::sceneNeeds(scene).planar.on),
         mostOpen_(found.path.isRounded ? run::roundedGap(scene.model) : kClosedByNewton * tile_),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
         joints_(bricks_, pivots_, isPlanar_) {
     if (contacts != scene::ContactFilter::None) {
       gaps_.emplace(bricks_, pivots_, contacts, scene.environment.pivotZone, isPlanar_,
@@ -676,8 +676,8 @@ class Smoothing {
   double tile_;  // metres
   bool isPlanar_;
   double mostOpen_;  // after Newton steps, metres
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   Joints joints_;
   std::optional<NearGapFinder> gaps_;  // absent if bricks may not touch
   std::vector<Poses> states_;
@@ -702,7 +702,7 @@ std::optional<run::MechanismPath> smoothed(const scene::Scene& scene,
   std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
   if (states.empty()) return std::nullopt;
   run::MechanismPath path = old;
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   path.states = std::move(states);
   path.lengths = {0};
   for (std::size_t k = 1; k < path.states.size(); ++k) {

@@ -26,8 +26,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/model/contact.h"
-#include "sim/model/model_checks.h"
+#include "sim/brick/contact.h"
+#include "sim/formats/joint_faces.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/forces.h"
 #include "sim/scene/scene_needs.h"
@@ -63,13 +63,13 @@ class Assembly {
   Assembly(const scene::Scene& scene, const std::function<bool()>& shouldContinue)
       : scene_(scene),
         target_(*scene.model.target),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         springs_(bricks_, target_, scene.model.pulledTiles, scene.springs),
         weights_(bricks_.size(), 1.0),
         tile_(model::tileSize(scene.model)),
         rigidBound_(trajectory::rigidBound(scene.model.tiles, target_)),
         shouldContinue_(shouldContinue) {
-    pull_ = [this](const Poses& poses, std::vector<model::Load>& loads) {
+    pull_ = [this](const Poses& poses, std::vector<brick::Load>& loads) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         loads[i] = springs_.load(static_cast<int>(i), poses[i], kSpringStiffening);
         loads[i].force *= weights_[i];
@@ -97,7 +97,7 @@ class Assembly {
     approach(state);
     if (isNearEnough(state)) return;
     if (mayStep()) {
-      beginAt(model::startPoses(scene_.model.tiles, bricks_));
+      beginAt(brick::startPoses(scene_.model.tiles, bricks_));
       comeToRest(kStepsFromStart);
       if (keepIfNearer(state)) approach(state);
     }
@@ -122,7 +122,7 @@ class Assembly {
   /// Comes nearer with softer joints, as long as they stay closed within the rounding.
   void soften() {
     if (!std::isfinite(roundedJointStiffness(scene_.model))) return;
-    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks_);
+    const std::vector<brick::Pivot> pivots = brick::makePivots(scene_.model.joints, bricks_);
     double closed = roundedJointStiffness(scene_.model);
     softenWhileClosed(scene_.model, [&](double stiffness) {
       const Poses before = motion_.poses;
@@ -142,7 +142,7 @@ class Assembly {
   double pullStiffness() const {
     double stiffest = 0;
     for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      const model::Load load =
+      const brick::Load load =
           springs_.load(static_cast<int>(i), motion_.poses[i], kSpringStiffening);
       stiffest = std::max(stiffest, load.stiffness(0, 0));
     }
@@ -151,7 +151,7 @@ class Assembly {
 
   /// If the target is far out of reach, the start may be the nearest state.
   void keepStartIfNearer(AssembledState& state) const {
-    Poses start = model::startPoses(scene_.model.tiles, bricks_);
+    Poses start = brick::startPoses(scene_.model.tiles, bricks_);
     if (!makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start)->assemble(start)) return;
     const double found = trajectory::targetError(target_, bricks_, start);
     if (!(found < (1 - kGain) * state.error)) return;
@@ -224,7 +224,7 @@ class Assembly {
 
   const scene::Scene& scene_;
   const std::vector<model::Tile>& target_;
-  std::vector<model::Brick> bricks_;
+  std::vector<brick::Brick> bricks_;
   TargetSprings springs_;
   std::vector<double> weights_;  // of the springs, one per brick, mean 1
   double tile_;                  // metres
@@ -306,13 +306,13 @@ constexpr double kThinnest = 1e-3;
 
 // Pairs that the contacts consider, the deepest first.
 std::vector<trajectory::Penetration> overlapsAt(const scene::Scene& scene, const Poses& poses) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   std::vector<trajectory::Penetration> overlaps =
       trajectory::penetrationsOutsidePivots(bricks, pivots, scene.environment.pivotZone, poses,
                                             kNegligibleDepth * model::tileSize(scene.model));
   if (scene.environment.contacts == scene::ContactFilter::Unjoined) {
-    const auto joined = model::sharedCorners(pivots);
+    const auto joined = brick::sharedCorners(pivots);
     std::erase_if(overlaps, [&](const trajectory::Penetration& overlap) {
       return joined.contains({overlap.brickA, overlap.brickB});
     });
@@ -328,7 +328,7 @@ model::Model withFreeingFaces(const model::Model& model,
   for (const trajectory::Penetration& overlap : overlaps)
     blocked.insert({overlap.brickA, overlap.brickB});
   model::Model folded = model;
-  model::chooseJointFaces(folded, model::FaceRule::Fold);
+  formats::chooseJointFaces(folded, formats::FaceRule::Fold);
   model::Model freed = model;
   for (std::size_t i = 0; i < freed.joints.size(); ++i) {
     model::Joint& joint = freed.joints[i];
@@ -359,16 +359,16 @@ std::map<TilePair, model::JointFace> freeingFaces(
 
 /// A tile's brick with another thickness, and its pose with the same bottom face.
 struct ThinBrick {
-  model::Brick brick;
+  brick::Brick brick;
   Pose pose;
 };
 
 // Keeps the bottom face at the tile.
-ThinBrick thinned(const scene::Scene& scene, int tile, const model::Brick& brick, const Pose& pose,
+ThinBrick thinned(const scene::Scene& scene, int tile, const brick::Brick& brick, const Pose& pose,
                   double thickness) {
-  model::BrickRule rule = scene.brick;
+  brick::BrickRule rule = scene.brick;
   rule.thickness = thickness;
-  ThinBrick thin{model::makeBrick(scene.model.tiles[tile], rule), pose};
+  ThinBrick thin{brick::makeBrick(scene.model.tiles[tile], rule), pose};
   // The centre of mass of a thinner brick is nearer to its bottom.
   thin.pose.position += pose.rotation * (brick.bottom[0] - thin.brick.bottom[0]);
   return thin;
@@ -392,16 +392,16 @@ JointsByPair jointsByPair(const model::Model& model) {
 /// Whether two bricks of this thickness do not overlap.
 bool isFree(const scene::Scene& scene, const trajectory::Penetration& overlap, const Poses& poses,
             const std::vector<model::Joint>& between, double thickness) {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses placed;
   for (const int tile : {overlap.brickA, overlap.brickB}) {
-    const model::Brick brick = model::makeBrick(scene.model.tiles[tile], scene.brick);
+    const brick::Brick brick = brick::makeBrick(scene.model.tiles[tile], scene.brick);
     ThinBrick thin = thinned(scene, tile, brick, poses[tile], thickness);
     bricks.push_back(std::move(thin.brick));
     placed.push_back(thin.pose);
   }
   const trajectory::Penetration left = trajectory::deepestPenetrationOutsidePivots(
-      bricks, model::makePivots(between, bricks), scene.environment.pivotZone, placed);
+      bricks, brick::makePivots(between, bricks), scene.environment.pivotZone, placed);
   return left.depth <= kNegligibleDepth * model::tileSize(scene.model);
 }
 

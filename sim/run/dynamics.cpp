@@ -21,7 +21,7 @@
 
 namespace kirireel::run {
 
-double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
+double misfitStiffness(const scene::Scene& scene, const std::vector<brick::Brick>& bricks) {
   return kMisfitRatio * placeStiffness(scene.springs, bricks);
 }
 
@@ -32,13 +32,13 @@ bool keepsTolerance(const scene::Scene& scene) {
 }
 
 std::vector<mechanics::Support> frictionOnGround(const scene::Environment& environment,
-                                                 const std::vector<model::Brick>& bricks) {
+                                                 const std::vector<brick::Brick>& bricks) {
   std::vector<mechanics::Support> supports;
   if (!environment.ground) return supports;
   const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
   if (push == 0) return supports;
   std::vector<std::vector<std::vector<Vector3>>> parts(bricks.size());
-  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
+  for (const brick::BrickPiece& piece : brick::convexPieces(bricks)) {
     parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
   }
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -57,7 +57,7 @@ contacts::FaceContact faceContactOf(const scene::Scene& scene) {
 }
 
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks, const Poses& start,
+                                       const std::vector<brick::Brick>& bricks, const Poses& start,
                                        contacts::FaceContact faces) {
   if (scene.solver.kind == scene::SolverKind::Bullet) {
     return makeBulletDynamics(scene, bricks, start);
@@ -66,7 +66,7 @@ std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::N
 }
 
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks,
+                                       const std::vector<brick::Brick>& bricks,
                                        const Poses& start) {
   return makeDynamics(scene, needs, bricks, start, faceContactOf(scene));
 }
@@ -97,7 +97,7 @@ bool liesOnGround(const scene::Scene& scene, const scene::Needs& needs) {
 
 /// Points of friction of the bricks of a planar scene on the ground.
 std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
-                                               const std::vector<model::Brick>& bricks) {
+                                               const std::vector<brick::Brick>& bricks) {
   if (!liesOnGround(scene, needs)) return {};
   return frictionOnGround(scene.environment, bricks);
 }
@@ -132,7 +132,7 @@ struct PairSum {
 /// The solver of a scene's joints and forces between pairs.
 std::unique_ptr<mechanics::JointSolver> solverOf(const scene::Scene& scene,
                                                  const scene::Needs& needs,
-                                                 const std::vector<model::Brick>& bricks) {
+                                                 const std::vector<brick::Brick>& bricks) {
   scene::Ties ties = scene::dynamicTies(scene, bricks);
   return mechanics::makeJointSolver(
       bricks, ties.pivots,
@@ -159,7 +159,7 @@ void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
 }  // namespace
 
 DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                               const std::vector<model::Brick>& bricks, const Poses& start,
+                               const std::vector<brick::Brick>& bricks, const Poses& start,
                                contacts::FaceContact faces)
     : bricks_(bricks),
       countsFrom_(scene.model.fileOrder.countsFrom),
@@ -175,7 +175,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
   const auto finder = [&](double tolerance) {
     auto made = std::make_unique<contacts::ContactFinder>(
-        bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
+        bricks, start, brick::makePivots(scene.model.joints, bricks), scene.environment,
         needs.planar.on, tolerance, faces);
     requireFree(made->overlapWithObstacle(start), scene.model);
     return made;
@@ -205,7 +205,7 @@ void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
 
 /// The actuation with the environment.
 mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actuation) const {
-  return [this, &actuation](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
+  return [this, &actuation](double seconds, const Poses& poses, std::vector<brick::Load>& loads) {
     checkInterruption();  // a step may be halved many times
     actuation(seconds, poses, loads);
     addEnvironmentLoads(environment_, bricks_, poses, loads);
@@ -215,9 +215,9 @@ mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actu
 StepReport DirectDynamics::advance(Motion& motion, double step,
                                    const mechanics::LoadSource& actuation) {
   const mechanics::TimedLoads timeless =
-      [&](double, const Poses& poses, std::vector<model::Load>& loads) { actuation(poses, loads); };
+      [&](double, const Poses& poses, std::vector<brick::Load>& loads) { actuation(poses, loads); };
   const mechanics::TimedLoads all = allLoads(timeless);
-  const mechanics::LoadSource now = [&](const Poses& poses, std::vector<model::Load>& loads) {
+  const mechanics::LoadSource now = [&](const Poses& poses, std::vector<brick::Load>& loads) {
     all(0, poses, loads);
   };
   StepReport report;
@@ -250,7 +250,7 @@ std::span<const mechanics::PassedState> DirectDynamics::passed() const {
 std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const {
   std::map<std::pair<int, int>, PairSum> pairs;
   for (const mechanics::TouchForce& touch : solver_->touchForces(poses)) {
-    const bool isSwapped = model::isBrick(touch.brickB) && touch.brickB < touch.brickA;
+    const bool isSwapped = brick::isBrick(touch.brickB) && touch.brickB < touch.brickA;
     const int tile = isSwapped ? touch.brickB : touch.brickA;
     const int other = isSwapped ? touch.brickA : touch.brickB;
     pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
@@ -260,8 +260,8 @@ std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const
   for (std::size_t i = 0; isLying_ && i < bricks_.size(); ++i) {
     const double weight = -bricks_[i].mass * environment_.gravity.z();
     const Vector3 centre = poses[i].position - 0.5 * bricks_[i].thickness * Vector3::UnitZ();
-    pairs[{static_cast<int>(i), model::kFixed}].add(
-        {static_cast<int>(i), model::kFixed, centre, weight * Vector3::UnitZ(), weight}, 1);
+    pairs[{static_cast<int>(i), brick::kFixed}].add(
+        {static_cast<int>(i), brick::kFixed, centre, weight * Vector3::UnitZ(), weight}, 1);
   }
   std::vector<trajectory::Hold> holds;
   for (const auto& [pair, sum] : pairs) {
@@ -273,10 +273,10 @@ std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const
 
 std::string DirectDynamics::nameOf(const mechanics::ContactLoad& load) const {
   const int tile = countsFrom_ + load.brickA;
-  if (load.brickB == model::kFixed) return fmt::format("tile {} and the ground", tile);
-  return model::isBrick(load.brickB)
+  if (load.brickB == brick::kFixed) return fmt::format("tile {} and the ground", tile);
+  return brick::isBrick(load.brickB)
              ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
-             : fmt::format("tile {} and obstacle {}", tile, model::kFirstObstacle - load.brickB);
+             : fmt::format("tile {} and obstacle {}", tile, brick::kFirstObstacle - load.brickB);
 }
 
 std::vector<std::string> DirectDynamics::loadedContacts() const {
@@ -303,10 +303,10 @@ namespace {
 constexpr int kSubsteps = 20;  // as in PyKirigami
 
 // The pivots of a scene whose joints are all pivots. Throws InputError at a link.
-std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
-                                       const std::vector<model::Brick>& bricks) {
-  std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
-  for (const model::Pivot& pivot : pivots) {
+std::vector<brick::Pivot> sharedPivots(const scene::Scene& scene,
+                                       const std::vector<brick::Brick>& bricks) {
+  std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  for (const brick::Pivot& pivot : pivots) {
     if (pivot.distance == 0) continue;
     throw InputError(
         fmt::format("error: `solver = bullet` does not support links, as between tiles {} and {}. "
@@ -360,13 +360,13 @@ StepReport WorldDynamics::advance(Motion& motion, double step,
 // An engine has no error estimate, so this is one step.
 StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
                                              const mechanics::TimedLoads& actuation) {
-  return advance(motion, seconds, [&](const Poses& poses, std::vector<model::Load>& loads) {
+  return advance(motion, seconds, [&](const Poses& poses, std::vector<brick::Load>& loads) {
     actuation(0, poses, loads);
   });
 }
 
 std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
-                                             const std::vector<model::Brick>& bricks,
+                                             const std::vector<brick::Brick>& bricks,
                                              const Poses& start) {
   requireNoObstacles(scene.environment);
   engines::BulletSettings settings;
@@ -398,7 +398,7 @@ constexpr double kClosedImage = 1e-11;
 SymmetricStates::SymmetricStates(const scene::Scene& scene, std::vector<model::Symmetry> group)
     : group_(std::move(group)), tile_(model::tileSize(scene.model)) {
   pivots_ =
-      model::makePivots(scene.model.joints, model::makeBricks(scene.model.tiles, scene.brick));
+      brick::makePivots(scene.model.joints, brick::makeBricks(scene.model.tiles, scene.brick));
 }
 
 // Drops symmetries that the state does not have. The remaining ones form a group and are kept from

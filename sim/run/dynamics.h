@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/contacts/contact_finder.h"
 #include "sim/engines/brick_world.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
-#include "sim/model/brick.h"
-#include "sim/model/hinge.h"
 #include "sim/model/isometry.h"
 #include "sim/run/tolerance_steps.h"
 #include "sim/scene/scene.h"
@@ -28,12 +28,12 @@ namespace kirireel::run {
 inline constexpr double kMisfitRatio = 2.5e4;
 
 /// The stiffness of these joints, N/m.
-double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
+double misfitStiffness(const scene::Scene& scene, const std::vector<brick::Brick>& bricks);
 
 /// Points of friction of bricks that lie on the ground, each under its own weight with an even
 /// pressure. Empty without friction, ground or weight.
 std::vector<mechanics::Support> frictionOnGround(const scene::Environment& environment,
-                                                 const std::vector<model::Brick>& bricks);
+                                                 const std::vector<brick::Brick>& bricks);
 
 /// The stiffness of exact joints, N/m.
 constexpr double kExactJoints = std::numeric_limits<double>::infinity();
@@ -107,11 +107,11 @@ contacts::FaceContact faceContactOf(const scene::Scene& scene);
 
 /// The solver selected in the scene.
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks, const Poses& start,
+                                       const std::vector<brick::Brick>& bricks, const Poses& start,
                                        contacts::FaceContact faces);
 /// The same with faceContactOf(scene).
 std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                                       const std::vector<model::Brick>& bricks, const Poses& start);
+                                       const std::vector<brick::Brick>& bricks, const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
 // `--solver direct`: exact joints.
@@ -123,7 +123,7 @@ class DirectDynamics : public Dynamics {
   /// start, and for springs or ligaments that the scene does not support. `bricks` need not outlive
   /// the call.
   DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
-                 const std::vector<model::Brick>& bricks, const Poses& start,
+                 const std::vector<brick::Brick>& bricks, const Poses& start,
                  contacts::FaceContact faces);
 
   bool assemble(Poses& poses) override;
@@ -145,7 +145,7 @@ class DirectDynamics : public Dynamics {
   std::string nameOf(const mechanics::ContactLoad& load) const;
   mechanics::TimedLoads allLoads(const mechanics::TimedLoads& actuation) const;
 
-  std::vector<model::Brick> bricks_;
+  std::vector<brick::Brick> bricks_;
   int countsFrom_;   // number of the first tile in messages
   double tileSize_;  // metres
   scene::Environment environment_;
@@ -189,13 +189,13 @@ class WorldDynamics : public Dynamics {
  private:
   std::unique_ptr<engines::BrickWorld> world_;
   int substeps_;
-  std::vector<model::Load> loads_;
+  std::vector<brick::Load> loads_;
 };
 
 /// `--solver bullet`: Bullet's sequential impulses.
 /// Throws InputError for links and obstacles.
 std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
-                                             const std::vector<model::Brick>& bricks,
+                                             const std::vector<brick::Brick>& bricks,
                                              const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
@@ -225,7 +225,7 @@ class SymmetricStates {
 
  private:
   std::vector<model::Symmetry> group_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Pivot> pivots_;
   double tile_;  // metres
 };
 

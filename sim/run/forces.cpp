@@ -34,22 +34,22 @@ double squaredFrequency(const scene::TargetSpringSettings& settings) {
   return omega * omega;  // 1/s^2
 }
 
-std::vector<BrickSpring> springsOf(const std::vector<model::Brick>& bricks,
+std::vector<BrickSpring> springsOf(const std::vector<brick::Brick>& bricks,
                                    const scene::TargetSpringSettings& settings) {
   std::vector<BrickSpring> springs;
-  for (const model::Brick& brick : bricks) springs.push_back(springOf(brick, settings));
+  for (const brick::Brick& brick : bricks) springs.push_back(springOf(brick, settings));
   return springs;
 }
 
 /// Adds the brick's damping, in world axes.
-void addDamping(const BrickSpring& spring, const Matrix3& R, model::Load& load) {
+void addDamping(const BrickSpring& spring, const Matrix3& R, brick::Load& load) {
   load.damping.diagonal().head<3>().array() += spring.forceDamping;
   load.damping.bottomRightCorner<3, 3>() += R * spring.torqueDamping * R.transpose();
 }
 
 }  // namespace
 
-BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings) {
+BrickSpring springOf(const brick::Brick& brick, const scene::TargetSpringSettings& settings) {
   const auto n = static_cast<double>(brick.bottom.size());
   const auto rate = [&](double stiffness) {
     return 2 * settings.dampingRatio * std::sqrt(n * stiffness / brick.mass);  // 1/s
@@ -68,9 +68,9 @@ BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSetting
 }
 
 double placeStiffness(const scene::TargetSpringSettings& settings,
-                      const std::vector<model::Brick>& bricks) {
+                      const std::vector<brick::Brick>& bricks) {
   double mass = 0;
-  for (const model::Brick& brick : bricks) mass += brick.mass;
+  for (const brick::Brick& brick : bricks) mass += brick.mass;
   return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings);
 }
 
@@ -119,7 +119,7 @@ std::vector<model::Corner> cornersAt(const model::Model& model, const model::Cor
 
 }  // namespace
 
-BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<model::Brick>& bricks,
+BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<brick::Brick>& bricks,
                                  const scene::TargetSpringSettings& settings,
                                  const scene::BoundaryCurve& curve)
     : strengths_(springsOf(bricks, settings)), springs_(bricks.size()) {
@@ -155,7 +155,7 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
   }
 }
 
-void BoundarySprings::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
+void BoundarySprings::addLoads(const Poses& poses, std::vector<brick::Load>& loads) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     // Damping applies to every brick, even without a spring.
     addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
@@ -181,7 +181,7 @@ double BoundarySprings::energy(const Poses& poses) const {
 // A uniform expansion needs an acceleration that depends only on the distance, not on the tiles'
 // masses and vertex counts. k is therefore m (2 pi f)^2 / 4 if a frequency is given.
 
-Expansion::Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
+Expansion::Expansion(const std::vector<brick::Brick>& bricks, std::vector<int> pieces,
                      const scene::TargetSpringSettings& settings)
     : bricks_(bricks), pieces_(std::move(pieces)), strengths_(springsOf(bricks, settings)) {
   if (settings.springStiffness) return;
@@ -190,7 +190,7 @@ Expansion::Expansion(const std::vector<model::Brick>& bricks, std::vector<int> p
   }
 }
 
-void Expansion::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
+void Expansion::addLoads(const Poses& poses, std::vector<brick::Load>& loads) const {
   const std::vector<Vector3> centres = centresOf(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     loads[i].force.head<3>() +=
@@ -226,7 +226,7 @@ std::vector<Vector3> Expansion::centresOf(const Poses& poses) const {
 // stiffness is positive semidefinite. So is the damping c G^T G, which acts on the point's
 // velocity.
 
-void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load) {
+void addPointSpring(const PointSpring& spring, const Pose& pose, brick::Load& load) {
   const Vector3 arm = pose.rotation * spring.point;
   const Vector3 force = spring.stiffness * (spring.anchor - pose.position - arm);
   load.force.head<3>() += force;
@@ -251,14 +251,14 @@ double pointSpringEnergy(const PointSpring& spring, const Pose& pose) {
 // a matrix, which sets no limit on the step length.
 
 void addEnvironmentLoads(const scene::Environment& environment,
-                         std::span<const model::Brick> bricks, const Poses& poses,
-                         std::vector<model::Load>& loads) {
+                         std::span<const brick::Brick> bricks, const Poses& poses,
+                         std::vector<brick::Load>& loads) {
   // exp(-rate) is the fraction of the velocity that remains after one second.
   const double linearRate = -std::log1p(-environment.linearDamping);
   const double angularRate = -std::log1p(-environment.angularDamping);
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const model::Brick& brick = bricks[i];
-    model::Load& load = loads[i];
+    const brick::Brick& brick = bricks[i];
+    brick::Load& load = loads[i];
     load.force.head<3>() += brick.mass * environment.gravity;
     load.damping.topLeftCorner<3, 3>().diagonal().array() += linearRate * brick.mass;
     if (angularRate == 0) continue;
@@ -324,7 +324,7 @@ Vector3 crossSum(const Matrix3& C) {
 
 }  // namespace
 
-TargetSprings::TargetSprings(const std::vector<model::Brick>& bricks,
+TargetSprings::TargetSprings(const std::vector<brick::Brick>& bricks,
                              const std::vector<model::Tile>& target,
                              const std::optional<std::vector<int>>& pulled,
                              const scene::TargetSpringSettings& settings)
@@ -358,21 +358,21 @@ void TargetSprings::setTarget(const std::vector<model::Tile>& target) {
   }
 }
 
-model::Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
-  model::Load load;
+brick::Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
+  brick::Load load;
   addLoad(springs_[brick], pose, stiffening, load);
   return load;
 }
 
 void TargetSprings::addLoads(const Poses& poses, double stiffening,
-                             std::vector<model::Load>& loads) const {
+                             std::vector<brick::Load>& loads) const {
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     addLoad(springs_[i], poses[i], stiffening, loads[i]);
   }
 }
 
 void TargetSprings::addLoad(const Spring& spring, const Pose& pose, double stiffening,
-                            model::Load& load) const {
+                            brick::Load& load) const {
   const Matrix3 R = pose.rotation.toRotationMatrix();
   addDamping(spring.strength, R, load);
   if (!spring.pulled) return;
@@ -496,7 +496,7 @@ std::vector<model::Tile> TargetGuide::at(double progress) const {
   return tiles;
 }
 
-Poses bestFitPoses(const std::vector<model::Brick>& bricks,
+Poses bestFitPoses(const std::vector<brick::Brick>& bricks,
                    const std::vector<model::Tile>& target) {
   Poses poses(bricks.size());
   for (std::size_t i = 0; i < bricks.size(); ++i) {

@@ -9,8 +9,8 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
@@ -28,13 +28,13 @@ struct BrickSpring {
 };
 
 /// The brick's constants for these settings. See the equations in forces.cpp.
-BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings);
+BrickSpring springOf(const brick::Brick& brick, const scene::TargetSpringSettings& settings);
 
 /// The stiffness m (2 pi f)^2 of springs that hold one tile at its place, N/m. m is the mean mass
 /// of these bricks, f the frequency of the settings. Compliant joints have a multiple of this
 /// stiffness (PathSettings::jointRatio).
 double placeStiffness(const scene::TargetSpringSettings& settings,
-                      const std::vector<model::Brick>& bricks);
+                      const std::vector<brick::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // Force of a drive. This covers all drives except the springs to a target: a run moves these and
@@ -47,7 +47,7 @@ class DriveForce {
 
   /// Adds the drive's load on every brick at these poses, including damping. `loads` has one entry
   /// per brick. Existing loads are kept.
-  virtual void addLoads(const Poses& poses, std::vector<model::Load>& loads) const = 0;
+  virtual void addLoads(const Poses& poses, std::vector<brick::Load>& loads) const = 0;
 
   /// Energy stored in these poses, joules. 0 for drives that store no energy.
   virtual double energy(const Poses& poses) const = 0;
@@ -70,10 +70,10 @@ class Expansion : public DriveForce {
   /// k is the settings' spring stiffness, N/m, or follows from their frequency for one vertex of a
   /// square with the brick's mass. c is the brick's force damping, N s/m. The object keeps a
   /// reference to `bricks`. `pieces` has the index of each brick's piece, see model::piecesOf().
-  Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
+  Expansion(const std::vector<brick::Brick>& bricks, std::vector<int> pieces,
             const scene::TargetSpringSettings& settings);
 
-  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const override;
+  void addLoads(const Poses& poses, std::vector<brick::Load>& loads) const override;
   double energy(const Poses&) const override { return 0; }
   void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const override;
   bool isEndless() const override { return true; }
@@ -81,7 +81,7 @@ class Expansion : public DriveForce {
  private:
   std::vector<Vector3> centresOf(const Poses& poses) const;
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   std::vector<int> pieces_;             // one per brick
   std::vector<BrickSpring> strengths_;  // one per brick
 };
@@ -100,7 +100,7 @@ struct PointSpring {
 /// Adds the spring's force and its torque about the centre of mass to the brick's load. The
 /// damper is part of the load's damping matrix. The load's force is the force at zero
 /// velocity.
-void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load);
+void addPointSpring(const PointSpring& spring, const Pose& pose, brick::Load& load);
 
 /// Energy stored in the spring, joules.
 double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
@@ -118,10 +118,10 @@ class BoundarySprings : public DriveForce {
   /// start. Throws InputError if the model names an invalid hull. The centre of
   /// the hull must not be one of its corners. `bricks` belong to the model's
   /// tiles.
-  BoundarySprings(const model::Model& model, const std::vector<model::Brick>& bricks,
+  BoundarySprings(const model::Model& model, const std::vector<brick::Brick>& bricks,
                   const scene::TargetSpringSettings& settings, const scene::BoundaryCurve& curve);
 
-  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const override;
+  void addLoads(const Poses& poses, std::vector<brick::Load>& loads) const override;
   double energy(const Poses& poses) const override;
   void addFreeForces(const Poses&, std::vector<Vector3>&) const override {}
   bool isEndless() const override { return false; }
@@ -142,8 +142,8 @@ class BoundarySprings : public DriveForce {
 /// those that have poses and loads. Damping removes the given fraction of the velocity per second.
 /// It is a viscous force, proportional to mass and inertia.
 void addEnvironmentLoads(const scene::Environment& environment,
-                         std::span<const model::Brick> bricks, const Poses& poses,
-                         std::vector<model::Load>& loads);
+                         std::span<const brick::Brick> bricks, const Poses& poses,
+                         std::vector<brick::Load>& loads);
 
 // ------------------------------------------------------------------------------------------------
 // Springs that pull every brick's bottom face towards its target (Jiang and Choi, "PyKirigami",
@@ -157,7 +157,7 @@ class TargetSprings {
  public:
   /// Keeps a reference to `bricks`. `target`: one tile per brick, vertex by vertex. `pulled`: the
   /// bricks with springs; all if absent. Bricks without springs keep their damping.
-  TargetSprings(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target,
+  TargetSprings(const std::vector<brick::Brick>& bricks, const std::vector<model::Tile>& target,
                 const std::optional<std::vector<int>>& pulled,
                 const scene::TargetSpringSettings& settings);
 
@@ -166,10 +166,10 @@ class TargetSprings {
 
   /// The load on one brick at a pose. `stiffening` (>= 1) scales both stiffnesses. About 100
   /// multiplications and, far from the target, a 3 x 3 eigenvalue problem.
-  model::Load load(int brick, const Pose& pose, double stiffening) const;
+  brick::Load load(int brick, const Pose& pose, double stiffening) const;
 
   /// Adds the loads on all bricks at these poses, one per brick. Existing loads are kept.
-  void addLoads(const Poses& poses, double stiffening, std::vector<model::Load>& loads) const;
+  void addLoads(const Poses& poses, double stiffening, std::vector<brick::Load>& loads) const;
 
   /// Energy stored in all springs, joules.
   double energy(const Poses& poses, double stiffening) const;
@@ -186,9 +186,9 @@ class TargetSprings {
     BrickSpring strength;
   };
 
-  void addLoad(const Spring& spring, const Pose& pose, double stiffening, model::Load& load) const;
+  void addLoad(const Spring& spring, const Pose& pose, double stiffening, brick::Load& load) const;
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   std::vector<Spring> springs_;
 };
 
@@ -261,6 +261,6 @@ class TargetGuide {
 
 /// The bricks' poses that fit the target best, each brick independently. `target` has one tile per
 /// brick. The fit minimises the sum of squared distances of the bottom vertices.
-Poses bestFitPoses(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target);
+Poses bestFitPoses(const std::vector<brick::Brick>& bricks, const std::vector<model::Tile>& target);
 
 }  // namespace kirireel::run

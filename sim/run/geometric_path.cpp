@@ -36,10 +36,10 @@ class Playback {
         found_(found),
         interval_(sampleInterval),
         observer_(observer),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
         figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone,
-                 model::startPoses(scene.model.tiles, bricks_), nearest),
+                 brick::startPoses(scene.model.tiles, bricks_), nearest),
         between_(scene, found) {}
 
   // Plays back all states and samples. Returns the result without outcome and reason.
@@ -106,8 +106,8 @@ class Playback {
   const GeometricPath& found_;
   double interval_;  // seconds
   const SampleObserver& observer_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   RunFigures figures_;
   StatesBetween between_;
   const Poses* poses_ = &found_.path.states.front();
@@ -182,9 +182,9 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
 void addPushedWarning(const scene::Scene& scene, const Poses& closed, DeploymentResult& result) {
   if (scene.environment.contacts == scene::ContactFilter::None) return;
   const double tile = model::tileSize(scene.model);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
-  const Poses asRead = model::startPoses(scene.model.tiles, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  const Poses asRead = brick::startPoses(scene.model.tiles, bricks);
   trajectory::PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
   const double pushed = meter.grownAt(closed);
   if (pushed <= kClearShare * tile) return;
@@ -207,12 +207,12 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
     : found_(found),
       tile_(model::tileSize(scene.model)),
       symmetries_(scene, found.path.symmetries),
-      bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-      pivots_(model::makePivots(scene.model.joints, bricks_)) {
+      bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+      pivots_(brick::makePivots(scene.model.joints, bricks_)) {
   scene::Scene bare = scene;
   bare.environment = scene::Environment{};
   projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
-                             model::startPoses(scene.model.tiles, bricks_));
+                             brick::startPoses(scene.model.tiles, bricks_));
 }
 
 bool StatesBetween::isOpen(const Poses& state) const {

@@ -49,8 +49,8 @@ class StatesBetween {
   const GeometricPath& found_;
   double tile_;  // metres
   SymmetricStates symmetries_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   std::unique_ptr<Dynamics> projection_;  // closes joints
 };
 

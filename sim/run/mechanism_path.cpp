@@ -13,15 +13,15 @@ Vector3 commonCentre(const Poses& poses) {
 
 }  // namespace
 
-double gyrationRadius(const model::Brick& brick) {
+double gyrationRadius(const brick::Brick& brick) {
   double sum = 0;
   for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
   return std::sqrt(sum / static_cast<double>(brick.bottom.size()));
 }
 
 trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
-                                          const std::vector<model::Brick>& bricks,
-                                          std::span<const model::Pivot> pivots,
+                                          const std::vector<brick::Brick>& bricks,
+                                          std::span<const brick::Pivot> pivots,
                                           const Poses& start) {
   const bool countsJoined = environment.contacts != scene::ContactFilter::Unjoined;
   return {bricks, pivots, environment.pivotZone, start, 0, countsJoined};
@@ -35,7 +35,7 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics) {
   return true;
 }
 
-double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
+double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {

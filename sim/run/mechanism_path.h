@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/isometry.h"
 #include "sim/run/dynamics.h"
 #include "sim/scene/scene.h"
@@ -30,13 +30,13 @@ struct MechanismPath {
 };
 
 /// The root mean square distance of a brick's bottom vertices from its centre of mass, metres.
-double gyrationRadius(const model::Brick& brick);
+double gyrationRadius(const brick::Brick& brick);
 
 /// Distance between two states of the same bricks, metres: the root of the mean over bricks of
 ///   |dx|^2 + w rho^2 |dphi|^2,
 /// with dx the displacement of the centre of mass, dphi the rotation in radians, rho the brick's
 /// gyrationRadius() and w `turnWeight`. Path lengths use w = 1.
-double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
+double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
 /// Closes joints as Dynamics::assemble() does, but keeps the bricks' common centre fixed. Near
@@ -46,7 +46,7 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics);
 /// Measures how much deeper bricks overlap than at `start`. It counts the pairs that these contacts
 /// keep apart, or all pairs if contacts are off. The meter keeps a reference to `bricks`.
 trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
-                                          const std::vector<model::Brick>& bricks,
-                                          std::span<const model::Pivot> pivots, const Poses& start);
+                                          const std::vector<brick::Brick>& bricks,
+                                          std::span<const brick::Pivot> pivots, const Poses& start);
 
 }  // namespace kirireel::run

@@ -27,7 +27,7 @@ constexpr int kRestHalvings = 30;
 
 }  // namespace
 
-double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& motion) {
+double fastestCorner(const std::vector<brick::Brick>& bricks, const Motion& motion) {
   double fastest = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const Velocity& velocity = motion.velocities[i];
@@ -188,20 +188,24 @@ std::vector<Velocity> fitted(const std::vector<Velocity>& velocities, const Pose
 
 }  // namespace
 
-std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned seed) {
+std::vector<Velocity> perturbation(const std::vector<brick::Brick>& bricks, const Poses& poses,
+                                   double modelSize, unsigned seed) {
   std::mt19937 generator(seed);
   const double speed = kSpeed * modelSize;
-  std::vector<Velocity> velocities(count);
-  for (Velocity& velocity : velocities) {
-    const double x = uniform(generator);
-    const double y = uniform(generator);
-    const double z = uniform(generator);
-    velocity.linear = speed * Vector3(x, y, z);
+  std::vector<Velocity> velocities(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Vector3 side = (bricks[i].bottom[1] - bricks[i].bottom[0]).normalized();
+    const double along = uniform(generator);
+    const double across = uniform(generator);
+    const double up = uniform(generator);
+    const Vector3 direction =
+        along * side + across * bricks[i].normal.cross(side) + up * bricks[i].normal;
+    velocities[i].linear = speed * (poses[i].rotation * direction);
   }
   return velocities;
 }
 
-bool movesByItself(const std::vector<model::Brick>& bricks, const Motion& after, bool drivenApart,
+bool movesByItself(const std::vector<brick::Brick>& bricks, const Motion& after, bool drivenApart,
                    double tileSize, double modelSize) {
   const double fastest =
       drivenApart ? fastestOpening(after.velocities) * tileSize : fastestCorner(bricks, after);
@@ -218,8 +222,8 @@ std::vector<Velocity> symmetricPerturbation(const std::vector<Velocity>& whole, 
   return symmetric;
 }
 
-std::vector<Velocity> Perturber::whole() const {
-  return perturbation(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
+std::vector<Velocity> Perturber::whole(const Poses& poses) const {
+  return perturbation(bricks_.bricks, poses, bricks_.size, bricks_.scene.solver.seed);
 }
 
 /// Whether a drive or springs act between joined bricks, in addition to the environment.
@@ -232,7 +236,7 @@ bool Perturber::areDrivenApart() const {
 void Perturber::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
                             const JointFit& joints, const std::vector<bool>& pinned) {
   given_ = Perturbed::Wholly;
-  std::vector<Velocity> velocities = whole();
+  std::vector<Velocity> velocities = whole(motion.poses());
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet) {
     motion.now().velocities = std::move(velocities);
     return;
@@ -261,7 +265,7 @@ void Perturber::giveAtStart(RunMotion& motion, const mechanics::LoadSource& load
 
 void Perturber::giveAtRest(RunMotion& motion) {
   given_ = Perturbed::Wholly;
-  const std::vector<Velocity> more = whole();
+  const std::vector<Velocity> more = whole(motion.poses());
   for (std::size_t i = 0; i < more.size(); ++i) {
     motion.now().velocities[i].linear += more[i].linear;
   }

@@ -17,7 +17,7 @@ namespace kirireel::run {
 // Detection of rest.
 
 /// The speed of the fastest corner of a brick, m/s.
-double fastestCorner(const std::vector<model::Brick>& bricks, const Motion& motion);
+double fastestCorner(const std::vector<brick::Brick>& bricks, const Motion& motion);
 
 /// Detects rest: no corner is faster than the scene's settle speed, or speeds lead nowhere. A run
 /// also rests if its steps keep failing and no brick moves.
@@ -91,15 +91,18 @@ enum class Perturbed {
 /// Time in which bricks must become faster than a perturbation from rest, seconds.
 constexpr double kPerturbationTime = 1.0 / 240;
 
-/// Random velocities for `count` bricks, without rotations. Each component is within a millionth of
-/// the model's size (metres) per second. The same seed gives the same result on all machines.
-std::vector<Velocity> perturbation(std::size_t count, double modelSize, unsigned seed);
+/// Random velocities for bricks at these poses, without rotations. Each component along a brick's
+/// first side, across it and along its normal is within a millionth of the model's size (metres)
+/// per second, so velocities rotate with the model. The same seed gives the same result on all
+/// machines.
+std::vector<Velocity> perturbation(const std::vector<brick::Brick>& bricks, const Poses& poses,
+                                   double modelSize, unsigned seed);
 
 /// Whether the acting forces move the bricks. `after` is the motion at kPerturbationTime after
 /// rest, with joints and contacts. Some corner must be faster than a perturbation. If bricks are
 /// `drivenApart`, by a drive or by springs between them, the motion must be relative: a sheet that
 /// is pulled along, but cannot open, does not count. Sizes in metres.
-bool movesByItself(const std::vector<model::Brick>& bricks, const Motion& after, bool drivenApart,
+bool movesByItself(const std::vector<brick::Brick>& bricks, const Motion& after, bool drivenApart,
                    double tileSize, double modelSize);
 
 /// The part of a perturbation with the symmetries of `group`, which includes the identity. Empty if
@@ -133,7 +136,7 @@ class Perturber {
   void transfer(StateTape& tape) { tape.transfer(given_); }
 
  private:
-  std::vector<Velocity> whole() const;
+  std::vector<Velocity> whole(const Poses& poses) const;
   bool areDrivenApart() const;
 
   const SceneBricks& bricks_;

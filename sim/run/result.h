@@ -9,8 +9,8 @@
 
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
+#include "sim/brick/hinge.h"
 #include "sim/mechanics/load_path.h"
-#include "sim/model/hinge.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/path_evaluation.h"
 #include "sim/scene/scene.h"
@@ -109,7 +109,7 @@ struct DeploymentResult {
   /// if not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
   std::optional<double> timeError;
   DeployCost cost;                                ///< counted and in CPU seconds
-  std::optional<model::Elasticity> elasticity;    ///< absent if no hinge has a spring
+  std::optional<brick::Elasticity> elasticity;    ///< absent if no hinge has a spring
   std::optional<mechanics::LoadCurve> loadCurve;  ///< only for scenes with grips
   scene::Needs needs;                             ///< modelled features, with reasons
   scene::PathSettings path;                       ///< the path taken, never Auto

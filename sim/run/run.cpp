@@ -221,7 +221,7 @@ DeploymentResult Run::result() {
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
   if (!trajectory.pairForces.empty()) {
     result.elasticity =
-        model::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
+        brick::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
   warnOfEnergy(result.warnings);
   result.needs = bricks_.needs;
@@ -241,7 +241,7 @@ void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
   double allowed = kEnergyGain * source;
   if (keepsTolerance(bricks_.scene)) {
     double weight = 0;
-    for (const model::Brick& brick : bricks_.bricks) {
+    for (const brick::Brick& brick : bricks_.bricks) {
       weight += brick.mass * bricks_.scene.environment.gravity.norm();
     }
     const double place = bricks_.scene.solver.tolerance * model::tileSize(bricks_.scene.model);
@@ -515,7 +515,7 @@ bool RunReasons::isImmobile() const {
   const trajectory::Freedom freedom =
       bricks_.needs.planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
   const trajectory::Mobility found =
-      trajectory::mobility(bricks_.scene.model, model::bottomTiles(bricks_.bricks, motion_.poses()),
+      trajectory::mobility(bricks_.scene.model, brick::bottomTiles(bricks_.bricks, motion_.poses()),
                            freedom, bricks_.scene.brick.thickness);
   return found.isCertain() && found.freedoms <= 0;
 }
@@ -536,7 +536,7 @@ std::string RunReasons::friction() const {
   if (supports.empty()) return "";
   const double highest =
       environment.ground->height + bricks_.scene.brick.thickness + kLyingShare * bricks_.tileSize;
-  for (const model::Tile& tile : model::bottomTiles(bricks_.bricks, motion_.poses())) {
+  for (const model::Tile& tile : brick::bottomTiles(bricks_.bricks, motion_.poses())) {
     for (const Vector3& vertex : tile.vertices) {
       if (vertex.z() > highest) return "";
     }
@@ -596,7 +596,7 @@ std::vector<std::string> RunReasons::otherForces() const {
   if (isGravityActing()) others.emplace_back("gravity");
   std::vector<Vector6> between(bricks_.bricks.size(), Vector6::Zero());
   const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
-  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : bricks_.ties.pairForces) {
     force->addForces(atRest, between);
   }
   if (largestOf(between, bricks_.tileSize) >

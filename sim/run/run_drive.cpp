@@ -85,7 +85,7 @@ void CurrentTarget::transfer(StateTape& tape) {
 // switches them.
 
 std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
-                                           const std::vector<model::Brick>& bricks) {
+                                           const std::vector<brick::Brick>& bricks) {
   const scene::TargetSpringSettings& strength = scene.springs;
   switch (scene.actuation.drive) {
     case scene::Drive::Expansion:
@@ -128,20 +128,20 @@ scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
   return springs;
 }
 
-double jointStiffnessOf(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks) {
   const bool isGuided = scene.path.kind == scene::PathKind::Guided;
   return scene.path.jointRatio *
          placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
 }
 
 // The guide begins at the bricks' poses at `beginTime`, not at the model's start.
-PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+PathFollower::PathFollower(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
                            const Poses& start, const std::vector<model::Tile>& target,
                            double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
       placeStiffness_(placeStiffness(leadingSprings(scene), bricks)),
-      guide_(model::bottomTiles(bricks, start), target),
+      guide_(brick::bottomTiles(bricks, start), target),
       springs_(bricks, guide_.at(0), scene.model.pulledTiles, leadingSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
@@ -232,7 +232,7 @@ const TargetSprings* RunDrive::presentSprings() const {
   return springs_ ? &*springs_ : nullptr;
 }
 
-void RunDrive::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
+void RunDrive::addLoads(const Poses& poses, std::vector<brick::Load>& loads) const {
   if (const DriveForce* drive = presentDrive()) {
     drive->addLoads(poses, loads);
   } else if (const TargetSprings* springs = presentSprings()) {

@@ -10,7 +10,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/model.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
@@ -88,7 +88,7 @@ class CurrentTarget {
 /// Creates the drive that a scene requests. Null for springs to a target and for no drive. Keeps
 /// references to both. Throws InputError if the model lacks the data that the drive needs.
 std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
-                                           const std::vector<model::Brick>& bricks);
+                                           const std::vector<brick::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // Phases of the path to a target.
@@ -106,7 +106,7 @@ enum class Phase {
 scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
 
 /// The stiffness of joints that the scene's path makes compliant, N/m. Infinite for exact joints.
-double jointStiffnessOf(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks);
 
 /// Guides the tiles of a run to their target. Springs pull every tile to a target that moves along
 /// the tile's own rigid motion. Rotations have more weight than positions: a mechanism that rotates
@@ -117,7 +117,7 @@ class PathFollower {
   /// Keeps a reference to `bricks`. `start`: the first state, with closed joints unless they are
   /// compliant. `beginTime`: seconds. `target`: the last state, one tile per brick. The scene has
   /// PathKind::Guided.
-  PathFollower(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+  PathFollower(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
                const Poses& start, const std::vector<model::Tile>& target, double beginTime);
 
   /// Sets the moving target and the joint stiffness for the step that ends at `time` (seconds of
@@ -160,7 +160,7 @@ class RunDrive {
   double nextMoment() const;
 
   /// Adds the drive's load on every brick at these poses.
-  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const;
+  void addLoads(const Poses& poses, std::vector<brick::Load>& loads) const;
   /// Energy stored in these poses, joules.
   double energy(const Poses& poses) const;
   /// Adds the part of the drive without stored energy to every brick's force, newtons.

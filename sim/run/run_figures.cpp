@@ -22,8 +22,8 @@ constexpr double kNoTime = -1;
 }  // namespace
 
 // `asRead`: overlaps of this state are given, and growth is measured from it.
-RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
-                       std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
+RunFigures::RunFigures(const model::Model& model, const std::vector<brick::Brick>& bricks,
+                       std::span<const brick::Pivot> pivots, double pivotZone, const Poses& asRead,
                        const AssembledState& nearest)
     : model_(model),
       bricks_(bricks),
@@ -43,7 +43,7 @@ RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick
 // The start counts in means and maxima like a step of zero length.
 void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
   accuracy_.assemblyMove =
-      trajectory::targetError(model::bottomTiles(bricks_, asRead_), bricks_, start);
+      trajectory::targetError(brick::bottomTiles(bricks_, asRead_), bricks_, start);
   accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
   if (model_.target) accuracy_.rigidBound = trajectory::rigidBound(model_.tiles, *model_.target);
   observe(0, start, {}, jointsAreCompliant, {});

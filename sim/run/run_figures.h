@@ -48,8 +48,8 @@ class RunFigures {
  public:
   /// `asRead`: the poses before joints are closed. `nearest`: see assembleAtTarget(). Keeps
   /// references to model, bricks and pivots.
-  RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
-             std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
+  RunFigures(const model::Model& model, const std::vector<brick::Brick>& bricks,
+             std::span<const brick::Pivot> pivots, double pivotZone, const Poses& asRead,
              const AssembledState& nearest);
 
   /// Measures the start. Its joints are closed unless `jointsAreCompliant`.
@@ -102,8 +102,8 @@ class RunFigures {
   void observeTarget(const TimedPoses& state, const trajectory::JointGap& gap);
 
   const model::Model& model_;
-  const std::vector<model::Brick>& bricks_;
-  std::span<const model::Pivot> pivots_;
+  const std::vector<brick::Brick>& bricks_;
+  std::span<const brick::Pivot> pivots_;
   double tileSize_;  // metres
   std::unique_ptr<trajectory::PenetrationMeter> overlaps_;
   Poses asRead_;

@@ -15,19 +15,19 @@ namespace kirireel::run {
 // Acting forces.
 
 mechanics::TimedLoads ActingForces::timedLoads() const {
-  return [this](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
+  return [this](double seconds, const Poses& poses, std::vector<brick::Load>& loads) {
     addLoads(seconds, poses, loads);
   };
 }
 
 mechanics::LoadSource ActingForces::loadsNow() const {
-  return [this](const Poses& poses, std::vector<model::Load>& loads) { addLoads(0, poses, loads); };
+  return [this](const Poses& poses, std::vector<brick::Load>& loads) { addLoads(0, poses, loads); };
 }
 
 // Drags move during the step. The drive keeps its current state.
 void ActingForces::addLoads(double seconds, const Poses& poses,
-                            std::vector<model::Load>& loads) const {
-  std::fill(loads.begin(), loads.end(), model::Load{});
+                            std::vector<brick::Load>& loads) const {
+  std::fill(loads.begin(), loads.end(), brick::Load{});
   if (timeline_.forcesAreOn()) drive_.addLoads(poses, loads);
   timeline_.addDrags(clock_.time() + seconds, poses, loads);
 }
@@ -41,10 +41,10 @@ double ActingForces::springEnergy(double time, const Poses& poses) const {
   }
   const double stiffness = jointStiffness();
   if (!std::isfinite(stiffness)) return sum;
-  for (const model::Pivot& pivot : bricks_.pivots) {
+  for (const brick::Pivot& pivot : bricks_.pivots) {
     // In the plane the pivots of both faces coincide.
     if (bricks_.needs.planar.on && pivot.isUpper) continue;
-    sum += 0.5 * stiffness * std::pow(model::pivotGap(pivot, poses), 2);
+    sum += 0.5 * stiffness * std::pow(brick::pivotGap(pivot, poses), 2);
   }
   return sum;
 }
@@ -56,7 +56,7 @@ double ActingForces::pairEnergy(const Poses& poses) const {
 // Forces without stored energy, newtons: gravity, and the part of a drive that is no spring.
 std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
-  for (const model::Brick& brick : bricks_.bricks)
+  for (const brick::Brick& brick : bricks_.bricks)
     forces.push_back(brick.mass * bricks_.scene.environment.gravity);
   if (timeline_.forcesAreOn()) drive_.addFreeForces(poses, forces);
   return forces;
@@ -65,7 +65,7 @@ std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
 // All forces except contacts and joints, with damping at these velocities: N and N m about the
 // centres of mass.
 std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& motion) const {
-  std::vector<model::Load> loads(bricks_.bricks.size());
+  std::vector<brick::Load> loads(bricks_.bricks.size());
   addLoads(time - clock_.time(), motion.poses, loads);
   addEnvironmentLoads(bricks_.scene.environment, bricks_.bricks, motion.poses, loads);
   std::vector<Vector6> forces;
@@ -74,7 +74,7 @@ std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& moti
     velocity << motion.velocities[i].linear, motion.velocities[i].angular;
     forces.push_back(loads[i].force - loads[i].damping * velocity);
   }
-  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : bricks_.ties.pairForces) {
     force->addForces(motion, forces);
   }
   return forces;
@@ -82,10 +82,10 @@ std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& moti
 
 void ActingForces::addForcesOfReplacedJoints(const Poses& poses,
                                              std::vector<Vector3>& jointForces) const {
-  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : bricks_.ties.pairForces) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const int joint = force->joint(pair);
-      if (joint == model::PairForce::kNoJoint) continue;
+      if (joint == brick::PairForce::kNoJoint) continue;
       jointForces[static_cast<std::size_t>(joint)] -=
           force->derivatives(pair, poses).gradient.head<3>();
     }
@@ -104,7 +104,7 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
   std::vector<trajectory::Hold> holds;
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
     const Pose& pose = motion.poses[grip.tile];
-    model::Load load;
+    brick::Load load;
     addPointSpring(grip.spring, pose, load);
     Vector6 velocity;
     velocity << motion.velocities[grip.tile].linear, motion.velocities[grip.tile].angular;
@@ -265,7 +265,7 @@ bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
     rest.emplace_back(applied[i].head<3>() - inertia);
     largest = std::max(largest, inertia.norm());
   }
-  const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
+  const std::vector<brick::Pivot>& pivots = bricks_.ties.pivots;
   for (std::size_t p = 0; p < pivots.size(); ++p) {
     rest[static_cast<std::size_t>(pivots[p].brickA)] += reactions.pivotForces[p];
     rest[static_cast<std::size_t>(pivots[p].brickB)] -= reactions.pivotForces[p];
@@ -309,7 +309,7 @@ trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double
     result.holds = std::move(holds);
     return result;
   }
-  const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
+  const std::vector<brick::Pivot>& pivots = bricks_.ties.pivots;
   result.jointForces.assign(joints, Vector3::Zero());
   for (std::size_t p = 0; p < pivots.size(); ++p) {
     result.jointForces[static_cast<std::size_t>(pivots[p].joint)] += reactions.pivotForces[p];

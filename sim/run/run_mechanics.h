@@ -8,9 +8,9 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
 #include "sim/mechanics/joint_solver.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/run_drive.h"
 #include "sim/run/run_motion.h"
@@ -65,7 +65,7 @@ class ActingForces {
   std::vector<trajectory::Hold> holds(double time, const Motion& motion) const;
 
  private:
-  void addLoads(double seconds, const Poses& poses, std::vector<model::Load>& loads) const;
+  void addLoads(double seconds, const Poses& poses, std::vector<brick::Load>& loads) const;
 
   const SceneBricks& bricks_;
   const StepClock& clock_;

@@ -36,8 +36,8 @@ constexpr int kStepsAtOnce = 4;
 
 SceneBricks::SceneBricks(const scene::Scene& given)
     : scene(given),
-      bricks(model::makeBricks(given.model.tiles, given.brick)),
-      pivots(model::makePivots(given.model.joints, bricks)),
+      bricks(brick::makeBricks(given.model.tiles, given.brick)),
+      pivots(brick::makePivots(given.model.joints, bricks)),
       ties(scene::dynamicTies(given, bricks)),
       needs(scene::sceneNeeds(given)),
       size(model::modelSize(given.model)),
@@ -67,7 +67,7 @@ RunMotion::RunMotion(const SceneBricks& bricks, const StepClock& clock)
     : bricks_(bricks),
       clock_(clock),
       wantsTolerance_(keepsTolerance(bricks.scene)),
-      now_{model::startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
+      now_{brick::startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
       contactStart_(now_.poses),
       solver_(makeSolver()) {}
 
@@ -120,7 +120,7 @@ StepReport RunMotion::advance(const mechanics::TimedLoads& loads, bool isToToler
     isSmooth_ = report.touchingTime == 0 && report.singularTime == 0;
     return report;
   }
-  const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<model::Load>& out) {
+  const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<brick::Load>& out) {
     loads(0, poses, out);
   };
   const int count = wantsTolerance_ ? kStepsAtOnce : 1;
@@ -214,7 +214,7 @@ bool JointFit::close(RunMotion& motion, RunFigures& figures) {
   Poses& poses = motion.now().poses;
   if (!motion.solver().assemble(poses)) return false;
   if (std::isfinite(roundedJointStiffness(model)) &&
-      trajectory::targetError(model::bottomTiles(bricks_.bricks, open), bricks_.bricks, poses) >
+      trajectory::targetError(brick::bottomTiles(bricks_.bricks, open), bricks_.bricks, poses) >
           roundedReach(model)) {
     poses = open;
     return false;

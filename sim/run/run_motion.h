@@ -10,7 +10,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/run_figures.h"
 #include "sim/scene/scene.h"
@@ -28,8 +28,8 @@ struct SceneBricks {
   explicit SceneBricks(const scene::Scene& given);
 
   const scene::Scene& scene;         ///< the scene of the run
-  std::vector<model::Brick> bricks;  ///< one per tile
-  std::vector<model::Pivot> pivots;  ///< of all joints
+  std::vector<brick::Brick> bricks;  ///< one per tile
+  std::vector<brick::Pivot> pivots;  ///< of all joints
   scene::Ties
       ties;  ///< exact pivots, ligaments that replace the other pivots, and other pair forces
   scene::Needs needs;   ///< modelled features

@@ -24,7 +24,7 @@ constexpr double kInPlane = 1e-9;
 // Whether all bricks are upright, keep their height and rotate only about the vertical between two
 // samples. A run in the plane has to be interpolated in the plane: in space, rounding could tilt
 // its bricks.
-bool movesInPlane(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
+bool movesInPlane(const std::vector<brick::Brick>& bricks, const Poses& from, const Poses& to,
                   double tileSize) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const Vector3 normal = from[i].rotation * bricks[i].normal;
@@ -47,11 +47,11 @@ double largestTurn(const Poses& from, const Poses& to) {
 }  // namespace
 
 StateInterpolator::StateInterpolator(const model::Model& model,
-                                     const std::vector<model::Brick>& bricks)
+                                     const std::vector<brick::Brick>& bricks)
     : model_(model),
       bricks_(bricks),
       pinned_(bricks.size(), false),
-      pivots_(model::makePivots(model.joints, bricks)),
+      pivots_(brick::makePivots(model.joints, bricks)),
       tileSize_(model::tileSize(model)) {}
 
 // Samples of compliant joints are open. Their joints are not closed between samples.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
 #include "sim/mechanics/joint_solver.h"
-#include "sim/model/brick.h"
 #include "sim/model/model.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
@@ -45,7 +45,7 @@ std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>&
 class StateInterpolator {
  public:
   /// Both must outlive the interpolator.
-  StateInterpolator(const model::Model& model, const std::vector<model::Brick>& bricks);
+  StateInterpolator(const model::Model& model, const std::vector<brick::Brick>& bricks);
   /// The subject must outlive the interpolator.
   explicit StateInterpolator(const trajectory::Subject& subject)
       : StateInterpolator(subject.model, subject.bricks) {}
@@ -70,9 +70,9 @@ class StateInterpolator {
   void setPinned(const std::vector<int>& tiles);
 
   const model::Model& model_;
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   std::vector<bool> pinned_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Pivot> pivots_;
   double tileSize_;                                  ///< metres
   std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< created at first use, like inSpace_
   std::unique_ptr<mechanics::JointSolver> inSpace_;

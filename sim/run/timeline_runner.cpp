@@ -93,7 +93,7 @@ std::string momentText(const scene::Trigger& moment, const LengthUnit& unit) {
 }  // namespace
 
 TimelineRunner::TimelineRunner(const scene::Timeline& timeline,
-                               const std::vector<model::Brick>& bricks, int countsFrom,
+                               const std::vector<brick::Brick>& bricks, int countsFrom,
                                const LengthUnit& unit)
     : timeline_(timeline),
       bricks_(bricks),
@@ -207,7 +207,7 @@ std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
 }
 
 void TimelineRunner::addDrags(double time, const Poses& poses,
-                              std::vector<model::Load>& loads) const {
+                              std::vector<brick::Load>& loads) const {
   for (const DragSpring& grip : dragSprings(time))
     addPointSpring(grip.spring, poses[grip.tile], loads[grip.tile]);
 }

@@ -7,7 +7,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/run/forces.h"
 #include "sim/scene/conditions.h"
 #include "sim/trajectory/trajectory.h"
@@ -48,7 +48,7 @@ struct DragSpring {
 class TimelineRunner {
  public:
   /// Keeps a reference to the timeline. `countsFrom`: the first tile's number in events.
-  TimelineRunner(const scene::Timeline& timeline, const std::vector<model::Brick>& bricks,
+  TimelineRunner(const scene::Timeline& timeline, const std::vector<brick::Brick>& bricks,
                  int countsFrom = 0, const LengthUnit& unit = {});
 
   /// Executes all due entries and appends them to the events. Returns whether there were any.
@@ -56,7 +56,7 @@ class TimelineRunner {
                 std::vector<trajectory::Event>& events);
 
   /// Adds the loads of the drags at this time.
-  void addDrags(double time, const Poses& poses, std::vector<model::Load>& loads) const;
+  void addDrags(double time, const Poses& poses, std::vector<brick::Load>& loads) const;
 
   /// The springs of the drags that are active at this time.
   std::vector<DragSpring> dragSprings(double time) const;
@@ -114,7 +114,7 @@ class TimelineRunner {
   void reset(TimelineStage& stage);
 
   const scene::Timeline& timeline_;
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   int countsFrom_;   // number of the first tile in events
   LengthUnit unit_;  // of lengths in texts
   std::size_t next_ = 0;

@@ -31,10 +31,10 @@ constexpr int kCallsToWait = 8;
 constexpr int kImpactBisections = 60;  // to the last bit
 
 /// The motion of only the bricks of a contact. Renumbers them in the contact.
-Motion motionOf(model::Contact& contact, const Motion& all) {
+Motion motionOf(brick::Contact& contact, const Motion& all) {
   Motion motion;
   for (int* number : {&contact.brickA, &contact.brickB}) {
-    if (!model::isBrick(*number)) continue;
+    if (!brick::isBrick(*number)) continue;
     motion.poses.push_back(all.poses[*number]);
     motion.velocities.push_back(all.velocities[*number]);
     *number = static_cast<int>(motion.poses.size()) - 1;
@@ -44,15 +44,15 @@ Motion motionOf(model::Contact& contact, const Motion& all) {
 
 /// When a contact closes during a step, seconds after its start and at most `latest`: the last
 /// moment at which it is open.
-double momentOfClosing(const model::Contact& closing, const Motion& from, const Motion& to,
+double momentOfClosing(const brick::Contact& closing, const Motion& from, const Motion& to,
                        double seconds, double latest) {
-  model::Contact contact = closing, atEnd = closing;
+  brick::Contact contact = closing, atEnd = closing;
   const Motion start = motionOf(contact, from), end = motionOf(atEnd, to);
   double open = 0, closed = latest;
-  for (int k = 0; k < kImpactBisections && model::contactGap(contact, start.poses) > 0; ++k) {
+  for (int k = 0; k < kImpactBisections && brick::contactGap(contact, start.poses) > 0; ++k) {
     const double middle = 0.5 * (open + closed);
     const Poses poses = mechanics::posesBetween(start, {}, end, seconds, middle);
-    (model::contactGap(contact, poses) > 0 ? open : closed) = middle;
+    (brick::contactGap(contact, poses) > 0 ? open : closed) = middle;
   }
   return open;
 }
@@ -63,7 +63,7 @@ double momentOfClosing(const model::Contact& closing, const Motion& from, const 
 /// other in it.
 bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
   if (!contacts_.exact) return false;
-  std::vector<model::Contact> violated;
+  std::vector<brick::Contact> violated;
   contacts_.exact->startStep(from.poses);
   contacts_.exact->appendViolated(to.poses, violated);
   if (violated.empty()) return false;
@@ -74,8 +74,8 @@ bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double s
 /// Whether a corner of a region pushes in a step at whose end it is outside.
 bool ToleranceSteps::leaveBorders(const Motion& from, const Motion& to, double seconds) {
   if (!contacts_.exact) return false;
-  std::vector<model::Contact> leaving = solver_.pushingContacts();
-  std::erase_if(leaving, [&](const model::Contact& contact) {
+  std::vector<brick::Contact> leaving = solver_.pushingContacts();
+  std::erase_if(leaving, [&](const brick::Contact& contact) {
     return contacts_.exact->insideBorders(contact, to.poses) >= -contacts_.touching;
   });
   if (leaving.empty()) return false;
@@ -91,7 +91,7 @@ double ToleranceSteps::momentOfLeaving() const {
   for (int k = 0; k < kImpactBisections && outside - inside > kSameMoment * seconds; ++k) {
     const double middle = 0.5 * (inside + outside);
     const Poses poses = mechanics::posesBetween(from, {}, to, seconds, middle);
-    const bool isOut = std::ranges::any_of(contacts, [&](const model::Contact& contact) {
+    const bool isOut = std::ranges::any_of(contacts, [&](const brick::Contact& contact) {
       return contacts_.exact->insideBorders(contact, poses) < -0.5 * contacts_.touching;
     });
     (isOut ? outside : inside) = middle;
@@ -105,8 +105,8 @@ std::optional<double> ToleranceSteps::momentOfImpact() const {
   const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
   if (isLeaving) return momentOfLeaving();
   std::optional<double> first;
-  for (const model::Contact& contact : contacts) {
-    if (model::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
+  for (const brick::Contact& contact : contacts) {
+    if (brick::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
       continue;  // touches, no more
     first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
   }
@@ -114,9 +114,9 @@ std::optional<double> ToleranceSteps::momentOfImpact() const {
 }
 
 /// Has the solver hold these contacts.
-void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
-  const auto isHeld = [](const model::Contact& contact) {
-    return !model::isBrick(contact.brickA) || !model::isBrick(contact.brickB);
+void ToleranceSteps::setHeld(std::vector<brick::Contact> contacts) {
+  const auto isHeld = [](const brick::Contact& contact) {
+    return !brick::isBrick(contact.brickA) || !brick::isBrick(contact.brickB);
   };
   extrapolation_.setSupported(isPinned_ || contacts_.isRubbing ||
                               std::ranges::any_of(contacts, isHeld));
@@ -126,19 +126,19 @@ void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
 /// Keeps of the contacts that are held those whose points still touch. Regions get the corners that
 /// they have now.
 void ToleranceSteps::holdTouching(const Poses& poses) {
-  std::vector<model::Contact> held = solver_.heldContacts();
+  std::vector<brick::Contact> held = solver_.heldContacts();
   if (!held.empty()) contacts_.exact->startStep(poses);
-  const auto isOver = [&](const model::Contact& contact) {
-    return model::contactGap(contact, poses) > contacts_.touching ||
+  const auto isOver = [&](const brick::Contact& contact) {
+    return brick::contactGap(contact, poses) > contacts_.touching ||
            !contacts_.exact->isCurrent(contact);
   };
   std::erase_if(held, isOver);
-  std::vector<model::Contact> touching;
-  for (const model::Contact& contact : held) {
+  std::vector<brick::Contact> touching;
+  for (const brick::Contact& contact : held) {
     if (!contact.isRegion) {
       touching.push_back(contact);
-    } else if (std::ranges::none_of(touching, [&](const model::Contact& other) {
-                 return model::onOnePlane(other, contact);
+    } else if (std::ranges::none_of(touching, [&](const brick::Contact& other) {
+                 return brick::onOnePlane(other, contact);
                })) {
       const std::size_t first = touching.size();
       contacts_.exact->appendRegion(contact, touching);
@@ -153,12 +153,12 @@ void ToleranceSteps::holdTouching(const Poses& poses) {
 /// The impact on those of these contacts that have closed, at this moment of the call. From now on
 /// they are held too. The motion before and after it are both passed. Returns the energy that is
 /// lost.
-double ToleranceSteps::collide(double now, const std::vector<model::Contact>& closing,
+double ToleranceSteps::collide(double now, const std::vector<brick::Contact>& closing,
                                Motion& motion) {
-  std::vector<model::Contact> held = solver_.heldContacts();
-  for (const model::Contact& contact : closing) {
+  std::vector<brick::Contact> held = solver_.heldContacts();
+  for (const brick::Contact& contact : closing) {
     const bool isHeld = std::ranges::find(held, contact) != held.end();
-    if (!isHeld && model::contactGap(contact, motion.poses) <= contacts_.touching)
+    if (!isHeld && brick::contactGap(contact, motion.poses) <= contacts_.touching)
       held.push_back(contact);
   }
   setHeld(std::move(held));
@@ -178,13 +178,13 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
   };
   double done = 0;
   const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
-                                             std::vector<model::Load>& out) {
+                                             std::vector<brick::Load>& out) {
     loads(done + after, poses, out);
   };
   const double shortest = kSameMoment * seconds;
   holdTouching(motion.poses);
   double goal = seconds;                // or the moment of the next impact
-  std::vector<model::Contact> closing;  // then
+  std::vector<brick::Contact> closing;  // then
   int impacts = 0;
   while (done < seconds - shortest) {
     meeting_.reset();
@@ -217,7 +217,7 @@ StepReport ToleranceSteps::advanceByFirstOrder(Motion& motion, double begin, dou
   for (int k = 0; k < count; ++k) {
     const double now = begin + k * (end - begin) / count;
     if (now > 0) passed_.push_back({now, motion});
-    const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<model::Load>& out) {
+    const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<brick::Load>& out) {
       loads(now, poses, out);
     };
     report += solver_.advance(motion, (end - begin) / count, loadsNow, contacts_.coarse);

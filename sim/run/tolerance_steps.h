@@ -6,11 +6,11 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
 #include "sim/contacts/contact_finder.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
 
 namespace kirireel::run {
 
@@ -29,7 +29,7 @@ struct ToleranceContacts {
 class ToleranceSteps {
  public:
   /// Bricks, solver and finders must outlive this. `firstOrderStep`: see TimeTolerance.
-  ToleranceSteps(const std::vector<model::Brick>& bricks, mechanics::JointSolver& solver,
+  ToleranceSteps(const std::vector<brick::Brick>& bricks, mechanics::JointSolver& solver,
                  const ToleranceContacts& contacts,
                  const mechanics::ExtrapolationSettings& settings, double firstOrderStep)
       : bricks_(bricks),
@@ -55,9 +55,9 @@ class ToleranceSteps {
   bool leaveBorders(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
   double momentOfLeaving() const;
-  void setHeld(std::vector<model::Contact> contacts);
+  void setHeld(std::vector<brick::Contact> contacts);
   void holdTouching(const Poses& poses);
-  double collide(double now, const std::vector<model::Contact>& closing, Motion& motion);
+  double collide(double now, const std::vector<brick::Contact>& closing, Motion& motion);
   double advanceByOrders(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                          StepReport& report);
   StepReport advanceByFirstOrder(Motion& motion, double begin, double end,
@@ -68,11 +68,11 @@ class ToleranceSteps {
     Motion from;
     Motion to;
     double seconds = 0;
-    std::vector<model::Contact> contacts;  // violated at its end, whole planes of them
+    std::vector<brick::Contact> contacts;  // violated at its end, whole planes of them
     bool isLeaving = false;                // else bricks collide
   };
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   mechanics::JointSolver& solver_;
   ToleranceContacts contacts_;
   double firstOrderStep_;  // seconds

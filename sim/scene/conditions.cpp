@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::scene {
 
@@ -249,9 +249,9 @@ std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
 std::vector<model::Tile> boxFaces(const Obstacle& box) {
   const model::Tile floor = boxFloor(box, box.size);
   // The brick of the floor is the box, so pictures and contacts have the same faces.
-  const model::Brick brick = model::makeBrick(floor, {.thickness = box.size.z()});
+  const brick::Brick brick = brick::makeBrick(floor, {.thickness = box.size.z()});
   std::vector<model::Tile> faces;
-  for (std::vector<Vector3>& corners : model::brickFaces(brick)) {
+  for (std::vector<Vector3>& corners : brick::brickFaces(brick)) {
     faces.push_back(placed({box.pose.position, Quaternion::Identity()}, {std::move(corners)}));
   }
   return faces;
@@ -319,7 +319,7 @@ void numberAsModel(std::vector<InitialVelocity>& velocities, const model::Model&
 
 // Tiles must have the model's numbers. One velocity per brick, zero without an entry.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
-                                        const std::vector<model::Brick>& bricks,
+                                        const std::vector<brick::Brick>& bricks,
                                         const Poses& poses) {
   std::vector<Velocity> velocities(bricks.size());
   for (const InitialVelocity& velocity : given) {

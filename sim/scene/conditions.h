@@ -9,7 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/model.h"
 #include "sim/scene/toml_file.h"
 
@@ -110,7 +110,7 @@ void numberAsModel(std::vector<InitialVelocity>& velocities, const model::Model&
 
 /// The velocity of each brick at these poses; several velocities of a brick are added.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
-                                        const std::vector<model::Brick>& bricks,
+                                        const std::vector<brick::Brick>& bricks,
                                         const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------

@@ -9,9 +9,9 @@
 namespace kirireel::scene {
 namespace {
 
-double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule& rule) {
-  const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
-  const Poses poses = model::startPoses(tiles, bricks);
+double lowestPoint(const std::vector<model::Tile>& tiles, const brick::BrickRule& rule) {
+  const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, rule);
+  const Poses poses = brick::startPoses(tiles, bricks);
   double lowest = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     for (const Vector3& point : bricks[i].bottom)
@@ -90,7 +90,7 @@ void scaleLengths(Scene& scene, double factor) {
 void fillFromModel(Scene& scene) {
   if (scene.actuation.drive == Drive::Auto) scene.actuation.drive = defaultDrive(scene.model);
   if (scene.brick.thickness == 0)
-    scene.brick.thickness = model::kDefaultThickness * model::tileSize(scene.model);
+    scene.brick.thickness = brick::kDefaultThickness * model::tileSize(scene.model);
 }
 
 double lowestPoint(const Scene& scene) {

@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/model.h"
 #include "sim/scene/conditions.h"
 
@@ -240,7 +240,7 @@ struct StartAlignment {
 struct Scene {
   model::Model model;                       ///< its target is aligned, see completeScene()
   StartAlignment alignment;                 ///< alignment of start and target
-  model::BrickRule brick;                   ///< makes bricks from tiles
+  brick::BrickRule brick;                   ///< makes bricks from tiles
   Environment environment;                  ///< gravity, ground, obstacles, contacts
   Actuation actuation;                      ///< drive of the bricks
   TargetSpringSettings springs;             ///< to the target; also the strength of other drives

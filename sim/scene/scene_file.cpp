@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/model_formats.h"
+#include "sim/formats/model_formats.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
@@ -270,7 +270,7 @@ std::vector<model::Tile> meshFaces(const TomlValue& value) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
   std::vector<std::string> ignored;  // warnings that only concern sheets
-  return model::readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
+  return formats::readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
 }
 
 void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {

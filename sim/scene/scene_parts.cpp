@@ -18,12 +18,13 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/brick/stiffness.h"
+#include "sim/formats/read_model.h"
+#include "sim/formats/text_table.h"
+#include "sim/formats/written_digits.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "sim/model/sheet_frame.h"
-#include "sim/model/stiffness.h"
-#include "sim/model/text_table.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/scene_needs.h"
 
@@ -71,10 +72,10 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
     // The first target applies at once, each further one when the previous one is reached.
     const Trigger when = k == 0 ? Trigger{} : Trigger{Trigger::Kind::AtTarget};
     chain.push_back({when,
-                     timeline::GoTo{files[k], model::readTarget(files[k], scene.model, warnings)},
+                     timeline::GoTo{files[k], formats::readTarget(files[k], scene.model, warnings)},
                      {files[k]}});
   }
-  scene.model.target = model::readTarget(files.back(), scene.model, warnings);
+  scene.model.target = formats::readTarget(files.back(), scene.model, warnings);
   if (chain.empty()) return;
   chain.push_back({{Trigger::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
@@ -123,8 +124,7 @@ void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model)
     const model::Joint link =
         model::makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
                         model.fileOrder.toModel({tileB, vertexB}, model.tiles));
-    // kSamePlace of model_checks.h: nearer points count as one.
-    if (link.apart.norm() <= 1e-6 * model::modelSize(model)) {
+    if (link.apart.norm() <= formats::kSamePlace * model::modelSize(model)) {
       throw InputError(
           fmt::format("`link`: error: vertex {} of tile {} and vertex {} of tile {} are at the "
                       "same position. Join them in constraints.txt instead",
@@ -138,7 +138,7 @@ void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
   for (TimelineEntry& entry : scene.timeline) {
     auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
     if (!goTo || goTo->file.empty() || !goTo->tiles.empty()) continue;
-    goTo->tiles = model::readTarget(goTo->file, scene.model, warnings);
+    goTo->tiles = formats::readTarget(goTo->file, scene.model, warnings);
   }
 }
 
@@ -393,24 +393,24 @@ constexpr double kAngleRounding = 1e-6;
 
 using TilePair = std::pair<int, int>;
 
-int readTile(const model::TextTable& table, const model::TextLine& line, std::size_t column,
+int readTile(const formats::TextTable& table, const formats::TextLine& line, std::size_t column,
              const model::Model& model) {
   const FileLocation where = table.at(line, line.fields[column]);
-  const int tile = model::parseWholeNumber(line.fields[column], where, "a tile number");
+  const int tile = formats::parseWholeNumber(line.fields[column], where, "a tile number");
   return tileOfModel(tile, model, where);
 }
 
 /// An optional number of a line.
-std::optional<double> readOptional(const model::TextTable& table, const model::TextLine& line,
+std::optional<double> readOptional(const formats::TextTable& table, const formats::TextLine& line,
                                    std::size_t column, double least, double most,
                                    const char* meaning) {
   // A hyphen marks a missing column before other columns.
   if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
-  const model::TextField& field = line.fields[column];
-  return model::parseNumberWithin(field, table.at(line, field), least, most, meaning);
+  const formats::TextField& field = line.fields[column];
+  return formats::parseNumberWithin(field, table.at(line, field), least, most, meaning);
 }
 
-OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& line,
+OwnHingeSpring readSpring(const formats::TextTable& table, const formats::TextLine& line,
                           const model::Model& model) {
   const FileLocation where = table.at(line, line.fields.front());
   if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
@@ -437,9 +437,9 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
 }
 
 /// Refuses overlap of bricks at a spring's rest angle. `line` is its source; null: the option.
-void requireNoOverlapAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
+void requireNoOverlapAtRest(const brick::HingeSpring& spring, const OwnHingeSpring* line,
                             const model::Model& model) {
-  const model::Hinge& hinge = spring.hinge;
+  const brick::Hinge& hinge = spring.hinge;
   if (spring.rest >= hinge.least - kAngleRounding && spring.rest <= hinge.most + kAngleRounding) {
     return;
   }
@@ -488,23 +488,23 @@ std::vector<model::Joint> joinedCorners(const std::vector<model::Joint>& joints,
   return all;
 }
 
-bool isFold(const model::Hinge& hinge) {
+bool isFold(const brick::Hinge& hinge) {
   // Corner angles are >= 0, with 0 for flush edges. Folds go to both sides of flat.
   return hinge.least < 0;
 }
 
 /// Adds the folds between tiles whose common corners are joined through other tiles, such as at a
 /// vertex of four origami panels.
-void addIndirectFolds(const Scene& scene, const std::vector<model::Brick>& bricks,
-                      model::FoundHinges& found) {
+void addIndirectFolds(const Scene& scene, const std::vector<brick::Brick>& bricks,
+                      brick::FoundHinges& found) {
   // A directly joined pair already has its hinge.
   std::set<TilePair> known;
-  for (const model::Hinge& hinge : found.hinges)
+  for (const brick::Hinge& hinge : found.hinges)
     known.insert(std::minmax(hinge.brickA, hinge.brickB));
   for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
-    const model::FoundHinges joined = model::findHinges(
-        bricks, model::makePivots(joinedCorners(scene.model.joints, face), bricks), false);
-    for (const model::Hinge& hinge : joined.hinges) {
+    const brick::FoundHinges joined = brick::findHinges(
+        bricks, brick::makePivots(joinedCorners(scene.model.joints, face), bricks), false);
+    for (const brick::Hinge& hinge : joined.hinges) {
       const bool isNew = known.insert(std::minmax(hinge.brickA, hinge.brickB)).second;
       if (isFold(hinge) && isNew) found.hinges.push_back(hinge);
     }
@@ -512,11 +512,11 @@ void addIndirectFolds(const Scene& scene, const std::vector<model::Brick>& brick
 }
 
 /// The hinges of a scene. If the user requested springs, at least one is required.
-model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Brick>& bricks) {
+brick::FoundHinges requireHinges(const Scene& scene, const std::vector<brick::Brick>& bricks) {
   // In the plane one common point is a vertical hinge, in space a ball joint.
   const bool isPlanar = sceneNeeds(scene).planar.on;
-  model::FoundHinges found =
-      model::findHinges(bricks, model::makePivots(scene.model.joints, bricks), isPlanar);
+  brick::FoundHinges found =
+      brick::findHinges(bricks, brick::makePivots(scene.model.joints, bricks), isPlanar);
   if (!isPlanar) addIndirectFolds(scene, bricks, found);
   if (!found.hinges.empty() || !scene.hinges.areGiven()) return found;
   if (found.ballJoints.empty()) {
@@ -574,7 +574,7 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
 HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
   HingeNeck neck = *scene.hinges.neck;
   if (neck.width > 0) return neck;
-  neck.width = model::materialWidth(joint.neck);
+  neck.width = brick::materialWidth(joint.neck);
   neck.length = std::max(joint.neck.length, joint.neck.kerf);
   return neck;
 }
@@ -582,7 +582,7 @@ HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
 /// The default spring of the hinges, for hinges without a line in the file.
 class DefaultSprings {
  public:
-  DefaultSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
+  DefaultSprings(const Scene& scene, const std::vector<brick::Brick>& bricks)
       : scene_(scene), bricks_(bricks) {
     if (scene.hinges.neck) {
       for (const model::Joint& joint : scene.model.joints) {
@@ -597,9 +597,9 @@ class DefaultSprings {
   }
 
   /// Whether the hinge is a bend within a tile, which has no springs of hinges.
-  bool isBend(const model::Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
+  bool isBend(const brick::Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
 
-  double stiffness(const model::Hinge& hinge) const {
+  double stiffness(const brick::Hinge& hinge) const {
     const HingeSettings& all = scene_.hinges;
     if (isBend(hinge)) return bending(hinge);
     // Necks are at corners. A fold has the default stiffness.
@@ -609,28 +609,28 @@ class DefaultSprings {
   }
 
   /// The default rest angle, with opposite sign for a mountain of the model's file.
-  double signedRest(const model::Hinge& hinge, double rest) const {
+  double signedRest(const brick::Hinge& hinge, double rest) const {
     const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
     const bool isMountain = found != scene_.model.foldAngles.end() && found->second < 0;
     return isFold(hinge) && isMountain ? -rest : rest;
   }
 
-  double rest(const model::Hinge& hinge) const {
+  double rest(const brick::Hinge& hinge) const {
     const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
     const bool isInFile = isFold(hinge) && found != scene_.model.foldAngles.end();
     return isInFile ? found->second : hinge.start;
   }
 
  private:
-  static TilePair tilesOf(const model::Hinge& hinge) {
+  static TilePair tilesOf(const brick::Hinge& hinge) {
     return std::minmax(hinge.brickA, hinge.brickB);
   }
   const model::Tile& tile(int number) const {
     return scene_.model.tiles[static_cast<std::size_t>(number)];
   }
-  const model::Brick& brick(int number) const { return bricks_[static_cast<std::size_t>(number)]; }
+  const brick::Brick& brick(int number) const { return bricks_[static_cast<std::size_t>(number)]; }
 
-  std::vector<CommonEdge> edgesAt(const model::Hinge& hinge) const {
+  std::vector<CommonEdge> edgesAt(const brick::Hinge& hinge) const {
     const auto [a, b] = tilesOf(hinge);
     return edgesBetween(common_.at({a, b}), tile(a), tile(b));
   }
@@ -641,20 +641,20 @@ class DefaultSprings {
                        std::pair(joint.b.tile, joint.b.vertex));
   }
 
-  double neckStiffnessAt(const model::Hinge& hinge) const {
+  double neckStiffnessAt(const brick::Hinge& hinge) const {
     const HingeNeck neck = neckAt(
         scene_,
         *jointAt_.at(cornersOf({{hinge.brickA, hinge.cornerA}, {hinge.brickB, hinge.cornerB}})));
     const double thickness = scene_.brick.thickness;
     const bool isShut = hinge.start <= kAngleRounding;
-    if (!isShut) return model::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
-    return model::neckStiffness(neck.youngs, thickness, neck.width, neck.length,
-                                {model::neckCorner(brick(hinge.brickA), hinge.cornerA),
-                                 model::neckCorner(brick(hinge.brickB), hinge.cornerB)});
+    if (!isShut) return brick::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
+    return brick::neckStiffness(neck.youngs, thickness, neck.width, neck.length,
+                                {brick::neckCorner(brick(hinge.brickA), hinge.cornerA),
+                                 brick::neckCorner(brick(hinge.brickB), hinge.cornerB)});
   }
 
   /// Bending stiffness of a tile at the diagonal between two of its triangles.
-  double bending(const model::Hinge& hinge) const {
+  double bending(const brick::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
     const auto [a, b] = tilesOf(hinge);
     const CommonEdge edge = edgesAt(hinge).at(0);
@@ -664,13 +664,13 @@ class DefaultSprings {
     };
     const Vector3& from = tile(a).vertices[static_cast<std::size_t>(edge.ofA[0])];
     const Vector3& to = tile(a).vertices[static_cast<std::size_t>(edge.ofA[1])];
-    return model::bendStiffness({from, wing(b, edge.ofB), to, wing(a, edge.ofA)},
+    return brick::bendStiffness({from, wing(b, edge.ofB), to, wing(a, edge.ofA)},
                                 (to - from).norm(), material.youngs, material.poisson,
                                 scene_.brick.thickness);
   }
 
   /// Stiffness of a fold. Its length is the sum of all common edges of its tiles.
-  double folding(const model::Hinge& hinge) const {
+  double folding(const brick::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
     const model::Tile& a = tile(tilesOf(hinge).first);
     double length = 0;
@@ -680,12 +680,12 @@ class DefaultSprings {
           (a.vertices[static_cast<std::size_t>(to)] - a.vertices[static_cast<std::size_t>(from)])
               .norm();
     }
-    return model::foldStiffness(length, material.foldLength, material.youngs, material.poisson,
+    return brick::foldStiffness(length, material.foldLength, material.youngs, material.poisson,
                                 scene_.brick.thickness);
   }
 
   const Scene& scene_;
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   std::map<TilePair, std::set<std::pair<int, int>>> common_;
   std::set<TilePair> bends_;
   std::map<CornerPair, const model::Joint*> jointAt_;  // of necks
@@ -698,7 +698,7 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
   return lines;
 }
 
-[[noreturn]] void refuseLine(const OwnHingeSpring& line, const model::FoundHinges& found,
+[[noreturn]] void refuseLine(const OwnHingeSpring& line, const brick::FoundHinges& found,
                              int first) {
   const TilePair tiles = std::minmax(line.tileA, line.tileB);
   const bool isBall = std::ranges::any_of(found.ballJoints, [&](const TilePair& ball) {
@@ -716,10 +716,10 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
 
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
                                              const model::Model& model) {
-  model::TextTable table(file, "a list of hinges, tile tile stiffness rest damping");
+  formats::TextTable table(file, "a list of hinges, tile tile stiffness rest damping");
   std::vector<OwnHingeSpring> springs;
   std::map<TilePair, int> lines;
-  for (model::TextLine line; table.next(line);) {
+  for (formats::TextLine line; table.next(line);) {
     springs.push_back(readSpring(table, line, model));
     const OwnHingeSpring& spring = springs.back();
     const auto [known, isNew] =
@@ -732,15 +732,15 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
   return springs;
 }
 
-std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
-                                             const std::vector<model::Brick>& bricks) {
+std::vector<brick::HingeSpring> hingeSprings(const Scene& scene,
+                                             const std::vector<brick::Brick>& bricks) {
   const HingeSettings& all = scene.hinges;
   if (!all.areOn()) return {};
-  const model::FoundHinges found = requireHinges(scene, bricks);
+  const brick::FoundHinges found = requireHinges(scene, bricks);
   const DefaultSprings defaults(scene, bricks);
   std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
-  std::vector<model::HingeSpring> springs;
-  for (const model::Hinge& hinge : found.hinges) {
+  std::vector<brick::HingeSpring> springs;
+  for (const brick::Hinge& hinge : found.hinges) {
     OwnHingeSpring own;
     if (const auto line = lines.find(std::minmax(hinge.brickA, hinge.brickB));
         line != lines.end()) {
@@ -751,7 +751,7 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
     const std::optional<double> rest = own.rest || !all.rest || defaults.isBend(hinge)
                                            ? own.rest
                                            : defaults.signedRest(hinge, *all.rest);
-    const model::HingeSpring spring{hinge, own.stiffness.value_or(defaults.stiffness(hinge)),
+    const brick::HingeSpring spring{hinge, own.stiffness.value_or(defaults.stiffness(hinge)),
                                     rest.value_or(defaults.rest(hinge)),
                                     own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
@@ -777,7 +777,7 @@ namespace {
 
 /// The unit directions of both edges from a corner,
 /// to the next and the previous vertex of the tile.
-std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
+std::array<Vector3, 2> edgesAt(const brick::Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);
   return {(brick.bottom[(k + 1) % count] - brick.bottom[k]).normalized(),
@@ -786,16 +786,16 @@ std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
 
 /// The direction from a corner into its tile: the sum of two unit edges bisects the corner's angle.
 /// Its length has no meaning.
-Vector3 inwardAt(const model::Brick& brick, int corner) {
+Vector3 inwardAt(const brick::Brick& brick, int corner) {
   const auto [next, last] = edgesAt(brick, corner);
   return next + last;
 }
 
 /// The unit direction of both tiles' edge at their joint if a shut slit lies along it.
-std::optional<Vector3> slitAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks) {
+std::optional<Vector3> slitAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks) {
   constexpr double kFlush = 1e-6;  // of the cosine
-  const model::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
-  const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const brick::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const brick::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {
     for (const Vector3& b : edgesAt(brickB, pivot.cornerB)) {
       if (a.dot(b) > 1 - kFlush) return a;
@@ -805,10 +805,10 @@ std::optional<Vector3> slitAt(const model::Pivot& pivot, const std::vector<model
 }
 
 /// The corners of both tiles at their joint.
-std::array<model::NeckCorner, 2> neckCorners(const model::Pivot& pivot,
-                                             const std::vector<model::Brick>& bricks) {
-  return {model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
-          model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
+std::array<brick::NeckCorner, 2> neckCorners(const brick::Pivot& pivot,
+                                             const std::vector<brick::Brick>& bricks) {
+  return {brick::neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
+          brick::neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
 }
 
 /// Normal of the plane of motion of a planar scene.
@@ -817,7 +817,7 @@ Vector3 normalOf(const Scene& scene) {
 }
 
 /// The neck at a joint as a ligament. Its middle is the joint, and it connects the two tiles.
-model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
+brick::Ligament ligamentAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks,
                            const Scene& scene) {
   const std::optional<LigamentStiffness>& given = scene.hinges.ligament;
   const HingeNeck neck =
@@ -826,7 +826,7 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
   const Vector3 across =
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
-  model::Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  brick::Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
   ligament.normal = normalOf(scene);
   // The ligament is parallel to the difference of the two inward directions: from tile A to tile B
   // across the slit.
@@ -837,27 +837,27 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
     ligament.stretchStiffness = given->stretch;
     ligament.shearStiffness = given->shear * given->length * given->length;
   } else {
-    model::setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width,
+    brick::setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width,
                             neck.length, ligament);
   }
   return ligament;
 }
 
 /// A neck of length 0 at the end of a shut slit, as an elastic pin.
-model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
+brick::Ligament pinAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks,
                       const Vector3& slit, const Scene& scene) {
   const HingeNeck material =
       neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
-  const model::CornerNeck neck = model::cornerNeck(material.youngs, scene.brick.thickness,
+  const brick::CornerNeck neck = brick::cornerNeck(material.youngs, scene.brick.thickness,
                                                    material.width, neckCorners(pivot, bricks));
-  model::Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
+  brick::Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
                       pivot.pointA, pivot.pointB, Vector3::Zero()};
   pin.normal = normalOf(scene);
   pin.across = slit.cross(pin.normal);
   pin.stretchStiffness = neck.stretch;
   pin.shearStiffness = neck.shear;
   // B turns positively about the normal as the slit opens if B lies on that side of the slit.
-  const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const brick::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
   pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
   return pin;
@@ -865,8 +865,8 @@ model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>
 
 /// Adds the model of a neck at a hinge. Under grips a neck of length 0 is always compliant like its
 /// tiles. Others are compliant if ligaments are requested.
-void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const Scene& scene,
-             std::vector<model::Pivot>& pivots, std::vector<model::Ligament>& ligaments) {
+void addNeck(brick::Pivot pivot, const std::vector<brick::Brick>& bricks, const Scene& scene,
+             std::vector<brick::Pivot>& pivots, std::vector<brick::Ligament>& ligaments) {
   if (scene.hinges.ligament) {
     ligaments.push_back(ligamentAt(pivot, bricks, scene));
     return;
@@ -875,7 +875,7 @@ void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const 
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
     // The neck's axis is next to the corner.
-    const double axis = model::neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
+    const double axis = brick::neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
     pivot.pointA += axis * *slit;
     pivot.pointB += axis * *slit;
   }
@@ -897,20 +897,20 @@ void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const 
 
 const std::vector<PairForceKind>& pairForceKinds() {
   static const std::vector<PairForceKind> kinds = {
-      {model::HingeSprings::kName,
-       [](const Scene& scene, const std::vector<model::Brick>& bricks) {
-         return std::shared_ptr<const model::PairForce>(
-             std::make_shared<model::HingeSprings>(hingeSprings(scene, bricks)));
+      {brick::HingeSprings::kName,
+       [](const Scene& scene, const std::vector<brick::Brick>& bricks) {
+         return std::shared_ptr<const brick::PairForce>(
+             std::make_shared<brick::HingeSprings>(hingeSprings(scene, bricks)));
        },
-       model::HingeSprings::read},
-      {model::Ligaments::kName, nullptr, model::Ligaments::read}};
+       brick::HingeSprings::read},
+      {brick::Ligaments::kName, nullptr, brick::Ligaments::read}};
   return kinds;
 }
 
 namespace {
 
 /// Ties without pivots: only forces, except ligaments.
-Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) {
+Ties withoutPivots(const Scene& scene, const std::vector<brick::Brick>& bricks) {
   Ties ties;
   for (const PairForceKind& kind : pairForceKinds()) {
     if (kind.make) ties.pairForces.add(kind.make(scene, bricks));
@@ -920,13 +920,13 @@ Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) 
 
 /// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a spring.
 /// Upper pivots are redundant in the plane and are omitted.
-void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties& ties) {
+void addJoints(const Scene& scene, const std::vector<brick::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
-  for (const model::HingeSpring& spring : model::hingeSpringsOf(ties.pairForces)) {
+  for (const brick::HingeSpring& spring : brick::hingeSpringsOf(ties.pairForces)) {
     hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
   }
-  std::vector<model::Ligament> ligaments;
-  for (const model::Pivot& pivot : model::makePivots(scene.model.joints, bricks)) {
+  std::vector<brick::Ligament> ligaments;
+  for (const brick::Pivot& pivot : brick::makePivots(scene.model.joints, bricks)) {
     if (pivot.isUpper) continue;
     const bool isNeck = (scene.hinges.neck || scene.hinges.ligament) &&
                         hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
@@ -936,12 +936,12 @@ void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties
       ties.pivots.push_back(pivot);
     }
   }
-  ties.pairForces.add(std::make_shared<model::Ligaments>(std::move(ligaments)));
+  ties.pairForces.add(std::make_shared<brick::Ligaments>(std::move(ligaments)));
 }
 
 }  // namespace
 
-Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
+Ties loadedTies(const Scene& scene, const std::vector<brick::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
   if (!scene.hinges.panels) addJoints(scene, bricks, ties);
   return ties;
@@ -949,10 +949,10 @@ Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
 
 // Without ligaments all pivots are exact. Upper pivots are included because the scene may be
 // spatial.
-Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
+Ties dynamicTies(const Scene& scene, const std::vector<brick::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
   if (!scene.hinges.hasLigaments()) {
-    ties.pivots = model::makePivots(scene.model.joints, bricks);
+    ties.pivots = brick::makePivots(scene.model.joints, bricks);
     return ties;
   }
   const char* key = scene.hinges.ligament ? "ligament_stiffness" : "ligaments";
@@ -974,7 +974,7 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   return ties;
 }
 
-Ties tiesOf(const Scene& scene, const std::vector<model::Brick>& bricks) {
+Ties tiesOf(const Scene& scene, const std::vector<brick::Brick>& bricks) {
   return scene.grips.empty() ? dynamicTies(scene, bricks) : loadedTies(scene, bricks);
 }
 

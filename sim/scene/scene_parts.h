@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/model/hinge.h"
+#include "sim/brick/hinge.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::scene {
@@ -57,8 +57,8 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
 /// springs are requested but nothing has an axis, if a line of the file fits no hinge, and if
 /// bricks overlap at the rest angle. Empty if scene.hinges requests nothing. Costs about
 /// O(joints log joints).
-std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
-                                             const std::vector<model::Brick>& bricks);
+std::vector<brick::HingeSpring> hingeSprings(const Scene& scene,
+                                             const std::vector<brick::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // Connections between the tiles of a sheet whose joints can be necks of material.
@@ -66,31 +66,31 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
 /// Exact joints, and the forces between pairs of bricks: ligaments that replace other joints, and
 /// all other pair forces.
 struct Ties {
-  std::vector<model::Pivot> pivots;  ///< exact joints
-  model::PairForces pairForces;      ///< between pairs of bricks
+  std::vector<brick::Pivot> pivots;  ///< exact joints
+  brick::PairForces pairForces;      ///< between pairs of bricks
 };
 
 /// The ties of a scene's run, for loading by grips or for dynamics. Throws InputError.
-Ties tiesOf(const Scene& scene, const std::vector<model::Brick>& bricks);
+Ties tiesOf(const Scene& scene, const std::vector<brick::Brick>& bricks);
 
 /// The ties of a planar scene under grips. A joint at a hinge with a spring is a neck if the scene
 /// has necks. If tiles bend, there are no pivots, because corners are nodes. Throws InputError for
 /// ligaments without stretch or shear, and like hingeSprings().
-Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks);
+Ties loadedTies(const Scene& scene, const std::vector<brick::Brick>& bricks);
 
 /// The ties of a dynamic scene. If it requests ligaments, as loadedTies(), only for planar scenes.
 /// Otherwise its joints are exact and at the tiles' corners. Throws InputError.
-Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks);
+Ties dynamicTies(const Scene& scene, const std::vector<brick::Brick>& bricks);
 
 /// A kind of force between pairs of bricks. A new kind needs its class and a row here.
 struct PairForceKind {
-  const model::PairForceName& name;  ///< constant of its class
+  const brick::PairForceName& name;  ///< constant of its class
   /// The scene's force of this kind between its bricks; null or without pairs if there is none.
   /// Throws InputError. Null for ligaments, which replace joints in the ties.
-  std::shared_ptr<const model::PairForce> (*make)(const Scene& scene,
-                                                  const std::vector<model::Brick>& bricks);
+  std::shared_ptr<const brick::PairForce> (*make)(const Scene& scene,
+                                                  const std::vector<brick::Brick>& bricks);
   /// The force from a file. Throws InputError.
-  std::shared_ptr<const model::PairForce> (*read)(const model::PairReader& file);
+  std::shared_ptr<const brick::PairForce> (*read)(const brick::PairReader& file);
 };
 
 /// All kinds, in the order of the summaries.

@@ -67,7 +67,7 @@ bool hasDampingRatio(const Scene& scene) {
   return !scene.springs.forceDamping || !scene.springs.torqueDamping;
 }
 bool weighsByVolume(const Scene& scene) {
-  return scene.brick.mass == model::MassRule::Prism;
+  return scene.brick.mass == brick::MassRule::Prism;
 }
 
 constexpr const char* kDirect = "`solver = direct`";
@@ -158,7 +158,7 @@ Setting flag(const std::string& key, const std::string& help, bool given = true)
 }
 
 SettingGroup brickSettings() {
-  using enum model::MassRule;
+  using enum brick::MassRule;
   return {"Bricks",
           "model",
           {specialNumber(
@@ -169,11 +169,11 @@ SettingGroup brickSettings() {
                [](const Scene& scene) {
                  return scene.brick.thickness > 0 ? numberText(scene.brick.thickness) : "";
                }),
-           choice<&Scene::brick, &model::BrickRule::mass>(
-               "mass", Choices<model::MassRule>{{"unit", Unit}, {"prism", Prism}},
+           choice<&Scene::brick, &brick::BrickRule::mass>(
+               "mass", Choices<brick::MassRule>{{"unit", Unit}, {"prism", Prism}},
                "mass of a brick: 1 kg, or by volume")
                .needsDynamics("masses were given"),
-           number<&Scene::brick, &model::BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
+           number<&Scene::brick, &brick::BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
                                                              "density, with `mass = prism`")
                .with(weighsByVolume, "`mass = prism`")}};
 }

@@ -22,21 +22,21 @@ namespace kirireel::statics {
 // Builds the rows in a fixed order: two for each pivot, three for each pinned tile, one for each
 // handle of a grip that moves. force() finds a grip's multipliers by that order. Pivots of the
 // upper face coincide with those of the lower one in the plane and are omitted.
-ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
-                           const model::PairForces& pairForces,
-                           const std::vector<model::Pivot>& pivots, const std::vector<int>& pinned,
+ElasticSheet::ElasticSheet(const std::vector<brick::Brick>& bricks, Poses start,
+                           const brick::PairForces& pairForces,
+                           const std::vector<brick::Pivot>& pivots, const std::vector<int>& pinned,
                            std::vector<Grip> grips)
     : start_(std::move(start)),
-      springs_(model::hingeSpringsOf(pairForces)),
+      springs_(brick::hingeSpringsOf(pairForces)),
       grips_(std::move(grips)),
-      ligaments_(model::ligamentsOf(pairForces)),
-      scale_(bricks.empty() ? 1 : model::meanEdge(bricks.front())) {
-  for (const std::shared_ptr<const model::PairForce>& force : pairForces) {
+      ligaments_(brick::ligamentsOf(pairForces)),
+      scale_(bricks.empty() ? 1 : brick::meanEdge(bricks.front())) {
+  for (const std::shared_ptr<const brick::PairForce>& force : pairForces) {
     if (!force->hingeSprings() && !force->ligaments()) others_.add(force);
   }
   const Vector q = startCoordinates();
   const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     if (pivot.isUpper) continue;
     for (const Vector3& axis : axes) {
       addRow({{{pivot.brickA, pivot.pointA}, axis}, {{pivot.brickB, pivot.pointB}, axis, -1}}, 0,
@@ -120,8 +120,8 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
 // shear / length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
-  for (const model::HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
-  for (const model::Ligament& ligament : ligaments_) {
+  for (const brick::HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
+  for (const brick::Ligament& ligament : ligaments_) {
     const double area = scale_ * scale_, shear = ligament.shearStiffness;
     const double across = ligament.isPin() ? shear : shear / ligament.start.squaredNorm();
     largest = std::max(largest, area * std::max(across, ligament.stretchStiffness));
@@ -135,7 +135,7 @@ double ElasticSheet::stiffnessScale() const {
 }
 
 /// Converts derivatives per metre to derivatives per length scale.
-model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) const {
+brick::PlanarEnergy ElasticSheet::inLengthScales(brick::PlanarEnergy energy) const {
   Vector6 units;
   units << scale_, scale_, 1, scale_, scale_, 1;
   energy.gradient.array() *= units.array();
@@ -144,11 +144,11 @@ model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) con
 }
 
 /// Energy of a ligament, with derivatives with respect to q.
-model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, const Vector& q) const {
+brick::PlanarEnergy ElasticSheet::energyOf(const brick::Ligament& ligament, const Vector& q) const {
   const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
   Vector3 between = scale_ * Vector3(q[b] - q[a], q[b + 1] - q[a + 1], 0);
   between.head<2>() += centreDistance(ligament.brickA, ligament.brickB).head<2>();
-  const model::PlanarEnergy found = model::ligamentEnergy(
+  const brick::PlanarEnergy found = brick::ligamentEnergy(
       ligament, between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
       scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
   return inLengthScales(found);
@@ -158,16 +158,16 @@ model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, cons
 // are handled separately.
 std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) const {
   std::vector<PairPart> parts;
-  for (const model::Ligament& ligament : ligaments_) {
+  for (const brick::Ligament& ligament : ligaments_) {
     parts.push_back({ligament.brickA, ligament.brickB, energyOf(ligament, q)});
   }
   if (others_.empty()) return parts;
   const Poses poses = posesAt(q);
-  for (const std::shared_ptr<const model::PairForce>& force : others_) {
+  for (const std::shared_ptr<const brick::PairForce>& force : others_) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);
       parts.push_back(
-          {brickA, brickB, inLengthScales(model::inPlane(force->derivatives(pair, poses)))});
+          {brickA, brickB, inLengthScales(brick::inPlane(force->derivatives(pair, poses)))});
     }
   }
   return parts;
@@ -175,7 +175,7 @@ std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) con
 
 // Energy of all pair forces, joules. Dead loads are only in gradient().
 double ElasticSheet::energy(const Vector& q) const {
-  double sum = model::elasticEnergy(springs_, posesAt(q));
+  double sum = brick::elasticEnergy(springs_, posesAt(q));
   for (const PairPart& part : pairParts(q)) sum += part.energy.energy;
   return sum;
 }
@@ -207,9 +207,9 @@ ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
 // in the direction of the moment: B's entry gets minus and A's entry plus.
 ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
-  const std::vector<double> moments = model::hingeMoments(springs_, posesAt(q));
+  const std::vector<double> moments = brick::hingeMoments(springs_, posesAt(q));
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const model::Hinge& hinge = springs_[s].hinge;
+    const brick::Hinge& hinge = springs_[s].hinge;
     sum[3 * hinge.brickA + 2] += moments[s] * hinge.axis.z();
     sum[3 * hinge.brickB + 2] -= moments[s] * hinge.axis.z();
   }
@@ -261,7 +261,7 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   const auto add = [&](int brickA, int brickB, double value) {
     entries.emplace_back(3 * brickA + 2, 3 * brickB + 2, value);
   };
-  for (const model::HingeSpring& spring : springs_) {
+  for (const brick::HingeSpring& spring : springs_) {
     const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
     add(a, a, spring.stiffness);
     add(b, b, spring.stiffness);

@@ -4,10 +4,10 @@
 
 #include <vector>
 
+#include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
+#include "sim/brick/pair_force.h"
 #include "sim/mechanics/load_path.h"
-#include "sim/model/brick.h"
-#include "sim/model/hinge.h"
-#include "sim/model/pair_force.h"
 
 namespace kirireel::statics {
 
@@ -41,8 +41,8 @@ class ElasticSheet : public mechanics::LoadedSheet {
   /// `pinned`: the fixed tiles. Pivots must belong to exact joints: links are not supported, and
   /// ligaments replace the other joints. The length scale is the mean edge of the first brick.
   /// Tiles, bricks and poses have the same order.
-  ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
-               const model::PairForces& pairForces, const std::vector<model::Pivot>& pivots,
+  ElasticSheet(const std::vector<brick::Brick>& bricks, Poses start,
+               const brick::PairForces& pairForces, const std::vector<brick::Pivot>& pivots,
                const std::vector<int>& pinned, std::vector<Grip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
@@ -85,7 +85,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
   struct PairPart {
     int brickA = 0;
     int brickB = 0;
-    model::PlanarEnergy energy;
+    brick::PlanarEnergy energy;
   };
 
   void addRow(std::vector<Term> terms, double motion, const Vector& start);
@@ -96,15 +96,15 @@ class ElasticSheet : public mechanics::LoadedSheet {
   double bend(const Term& term, const Vector& q) const;
   std::vector<Term> forceTerms(const Grip& grip) const;
   double multiplierForce(std::size_t grip, const Vector& multipliers) const;
-  model::PlanarEnergy inLengthScales(model::PlanarEnergy energy) const;
-  model::PlanarEnergy energyOf(const model::Ligament& ligament, const Vector& q) const;
+  brick::PlanarEnergy inLengthScales(brick::PlanarEnergy energy) const;
+  brick::PlanarEnergy energyOf(const brick::Ligament& ligament, const Vector& q) const;
   std::vector<PairPart> pairParts(const Vector& q) const;
 
   Poses start_;
-  std::vector<model::HingeSpring> springs_;
+  std::vector<brick::HingeSpring> springs_;
   std::vector<Grip> grips_;
-  std::vector<model::Ligament> ligaments_;
-  model::PairForces others_;  // neither springs nor ligaments
+  std::vector<brick::Ligament> ligaments_;
+  brick::PairForces others_;  // neither springs nor ligaments
   double scale_;              // metres
   std::vector<Row> rows_;
   std::vector<Eigen::Index> firstRow_;  // of each grip

@@ -18,9 +18,9 @@
 
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
+#include "sim/brick/stiffness.h"
 #include "sim/mechanics/load_path.h"
 #include "sim/model/convex_parts.h"
-#include "sim/model/stiffness.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/geometric_path.h"
@@ -89,10 +89,10 @@ void requireEquilibria(const scene::Scene& scene) {
 }
 
 /// The points that a grip holds: its corners, or the centres of its tiles.
-std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<model::Brick>& bricks) {
+std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<brick::Brick>& bricks) {
   std::vector<GripHandle> points;
   for (const model::Corner& corner : grip.setting->corners) {
-    const model::Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
+    const brick::Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
     points.push_back({corner.tile, brick.bottom[static_cast<std::size_t>(corner.vertex)]});
   }
   if (!points.empty()) return points;
@@ -311,7 +311,7 @@ void requireInPlane(const scene::GripSetting& grip) {
 
 /// The sheet with three coordinates per tile.
 std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
-                                                    const std::vector<model::Brick>& bricks,
+                                                    const std::vector<brick::Brick>& bricks,
                                                     const scene::Ties& ties,
                                                     const std::vector<GripOrder>& grips) {
   for (const scene::GripSetting& grip : scene.grips) requireInPlane(grip);
@@ -329,13 +329,13 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
       held.back().force.push_back({first + static_cast<std::size_t>(k), named.projection(row, k)});
     }
   }
-  return std::make_unique<ElasticSheet>(bricks, model::startPoses(scene.model.tiles, bricks),
+  return std::make_unique<ElasticSheet>(bricks, brick::startPoses(scene.model.tiles, bricks),
                                         ties.pairForces, ties.pivots, pinnedTiles(scene),
                                         std::move(held));
 }
 
 /// The states as a path for playback.
-run::GeometricPath playbackPath(const std::vector<model::Brick>& bricks,
+run::GeometricPath playbackPath(const std::vector<brick::Brick>& bricks,
                                 const mechanics::LoadPath& loaded, bool isSoft) {
   run::GeometricPath result;
   result.hasCompliantJoints = isSoft;
@@ -393,7 +393,7 @@ void noteTurnings(const mechanics::LoadCurve& curve, const run::MechanismPath& p
 }
 
 /// Whether a grip moves a part of the sheet away from its centre.
-bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
+bool movesOutwards(const std::vector<brick::Brick>& bricks, const Poses& start,
                    const GripOrder& grip) {
   Vector3 middle = Vector3::Zero(), place = Vector3::Zero();
   for (const Pose& pose : start) middle += pose.position / static_cast<double>(start.size());
@@ -406,7 +406,7 @@ bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
 }
 
 /// How the path ended, its stability, and its faults.
-void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
              const mechanics::LoadPath& loaded, const GripOrder& leading,
              run::DeploymentResult& result) {
   const mechanics::Equilibrium& last = loaded.states.back();
@@ -451,7 +451,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
 run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
                                   const run::SampleObserver& observer) {
   requireEquilibria(scene);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::vector<DirectedLoad> directed = directedLoads(grips);
@@ -485,7 +485,7 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
     result.trajectory.panels = panelsOf(*panels, loaded, path.path, seconds);
   }
   if (!ties.pairForces.empty() || result.trajectory.panels) {
-    result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
+    result.elasticity = brick::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
   }
   if (result.trajectory.panels) {
     trajectory::setElasticity(*result.trajectory.panels, *result.elasticity);
@@ -570,11 +570,11 @@ Edges edgesOf(const model::Model& model, const std::vector<std::vector<int>>& no
 /// Builds the sheet of bars and hinges.
 class BarHingeMaker {
  public:
-  BarHingeMaker(const scene::Scene& scene, const std::vector<model::Brick>& bricks)
+  BarHingeMaker(const scene::Scene& scene, const std::vector<brick::Brick>& bricks)
       : scene_(scene), material_(*scene.hinges.panels), thickness_(scene.brick.thickness) {
     int count = 0;
     made_.tiles = nodesOfTiles(scene.model, count);
-    made_.start = model::startPoses(scene.model.tiles, bricks);
+    made_.start = brick::startPoses(scene.model.tiles, bricks);
     placeNodes(count);
     edges_ = edgesOf(scene.model, made_.tiles);
     for (const auto& [edge, sides] : edges_) addBar(edge, sides);
@@ -582,8 +582,8 @@ class BarHingeMaker {
   }
 
   /// Springs at hinges of the scene. Each common edge of the two tiles has a share by its length.
-  void addFolds(const std::vector<model::HingeSpring>& springs) {
-    for (const model::HingeSpring& spring : springs) {
+  void addFolds(const std::vector<brick::HingeSpring>& springs) {
+    for (const brick::HingeSpring& spring : springs) {
       const std::vector<FoldSides> shared = sidesBetween(spring.hinge.brickA, spring.hinge.brickB);
       double length = 0;
       for (const auto& [left, right] : shared) length += lengthOf({left.from, left.to});
@@ -646,7 +646,7 @@ class BarHingeMaker {
     double area = 0;
     for (const PanelSide& side : sides) {
       const auto& [a, b, c] = side.corners;
-      area += model::barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
+      area += brick::barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
     }
     const double length = lengthOf(edge);
     // Stiffness of a bar: E A / l.
@@ -662,7 +662,7 @@ class BarHingeMaker {
         const std::array<Vector3, 4> corners = {at(left.from), at(right.wing), at(left.to),
                                                 at(left.wing)};
         addFold(left, right,
-                model::bendStiffness(corners, (corners[2] - corners[0]).norm(), material_.youngs,
+                brick::bendStiffness(corners, (corners[2] - corners[0]).norm(), material_.youngs,
                                      material_.poisson, thickness_));
       }
     }
@@ -720,8 +720,8 @@ void requireNodes(const model::Model& model) {
 }
 
 /// Throws for forces other than springs at hinges: those need rigid bricks.
-void requireOnlySprings(const model::PairForces& forces) {
-  for (const std::shared_ptr<const model::PairForce>& force : forces) {
+void requireOnlySprings(const brick::PairForces& forces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : forces) {
     if (force->hingeSprings()) continue;
     throw InputError(fmt::format(
         "error: bending tiles (`panels`) support springs at hinges, but no {}. Remove one of them",
@@ -732,14 +732,14 @@ void requireOnlySprings(const model::PairForces& forces) {
 }  // namespace
 
 std::unique_ptr<BarHingeSheet> makeBarHingeSheet(const scene::Scene& scene,
-                                                 const std::vector<model::Brick>& bricks,
-                                                 const model::PairForces& pairForces,
+                                                 const std::vector<brick::Brick>& bricks,
+                                                 const brick::PairForces& pairForces,
                                                  const std::vector<int>& pinned,
                                                  const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
   requireOnlySprings(pairForces);
   BarHingeMaker maker(scene, bricks);
-  maker.addFolds(model::hingeSpringsOf(pairForces));
+  maker.addFolds(brick::hingeSpringsOf(pairForces));
   maker.fix(pinned);
   std::vector<NodeGrip> held;
   for (const GripOrder& grip : grips) held.push_back(maker.gripOf(grip));

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/brick/hinge.h"
 #include "sim/mechanics/load_path.h"
-#include "sim/model/hinge.h"
 #include "sim/run/result.h"
 #include "sim/scene/scene.h"
 #include "sim/statics/bar_hinge_sheet.h"
@@ -40,8 +40,8 @@ struct GripOrder {
 /// faces, fixed tiles, springs at hinges that are no common edge of two tiles, and grips that
 /// rotate.
 std::unique_ptr<BarHingeSheet> makeBarHingeSheet(const scene::Scene& scene,
-                                                 const std::vector<model::Brick>& bricks,
-                                                 const model::PairForces& pairForces,
+                                                 const std::vector<brick::Brick>& bricks,
+                                                 const brick::PairForces& pairForces,
                                                  const std::vector<int>& pinned,
                                                  const std::vector<GripOrder>& grips);
 

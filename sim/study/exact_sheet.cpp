@@ -22,8 +22,8 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel::study {
 namespace {
@@ -41,12 +41,12 @@ std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
 
 // A sheet of `side` x `side` squares without contacts: only joints and springs act.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face, double startAngle) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.face = face;
   shape.startAngle = startAngle;
   scene::Scene scene;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::None;
   scene.solver.planar = planar;
   return scene;
@@ -104,9 +104,9 @@ double pathError(const SheetPath& found, const SheetPath& desired) {
 // The exact sheet is moved by a rigid motion, which removes the position and rotation of the
 // sheet.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = side;
-  std::vector<model::Tile> exact = model::tessellationTiles(shape, angle);
+  std::vector<model::Tile> exact = generate::tessellationTiles(shape, angle);
   const model::RigidMotion fit = model::bestRigidMotion(verticesOf(exact), verticesOf(found));
   for (model::Tile& tile : exact) {
     for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);

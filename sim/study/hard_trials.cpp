@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/study/exact_sheet.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
@@ -98,7 +98,7 @@ HardTrial noisyShapes(double size) {
 HardTrial massRatio() {
   HardTrial trial =
       sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
-  trial.bricks = model::makeBricks(trial.scene.model.tiles, trial.scene.brick);
+  trial.bricks = brick::makeBricks(trial.scene.model.tiles, trial.scene.brick);
   for (std::size_t i = 0; i < trial.bricks.size(); i += 2) {
     trial.bricks[i].mass *= 1e6;
     trial.bricks[i].inertia *= 1e6;
@@ -208,9 +208,9 @@ std::vector<Refusal> refusals() {
        })},
       {"a million tiles", "a sheet of 1000 x 1000",
        [] {
-         model::TessellationShape shape;
+         generate::TessellationShape shape;
          shape.columns = shape.rows = 1000;
-         model::makeTessellation(shape);
+         generate::makeTessellation(shape);
        }},
       {"no such parameter", "a fan with a radius; it has two",
        [] {
@@ -256,7 +256,7 @@ std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   // Cases may have their own bricks (masses). Otherwise the scene makes them.
   SteppedScene run(
       scene,
-      trial.bricks.empty() ? model::makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
+      trial.bricks.empty() ? brick::makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
       dynamicsMaker(method));
   const int steps = static_cast<int>(std::lround(trial.seconds * trial.rate));
   const Stability stability = watchStability(run, steps, budget);

@@ -31,8 +31,8 @@ scene::Scene withRate(scene::Scene scene, const Method& method) {
 }  // namespace
 
 SteppedScene::SteppedScene(const scene::Scene& scene)
-    : SteppedScene(scene, model::makeBricks(scene.model.tiles, scene.brick),
-                   [](const scene::Scene& asked, const std::vector<model::Brick>& bricks,
+    : SteppedScene(scene, brick::makeBricks(scene.model.tiles, scene.brick),
+                   [](const scene::Scene& asked, const std::vector<brick::Brick>& bricks,
                       const Poses& start) {
                      auto made = run::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
                      const double step = asked.solver.timestep;
@@ -43,25 +43,25 @@ SteppedScene::SteppedScene(const scene::Scene& scene)
                    }) {}
 
 SteppedScene::SteppedScene(const scene::Scene& scene, const Method& method)
-    : SteppedScene(withRate(scene, method), model::makeBricks(scene.model.tiles, scene.brick),
+    : SteppedScene(withRate(scene, method), brick::makeBricks(scene.model.tiles, scene.brick),
                    dynamicsMaker(method)) {}
 
-SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> bricks,
+SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<brick::Brick> bricks,
                            const DynamicsMaker& makeSolver)
     : scene_(scene),
       bricks_(std::move(bricks)),
-      pivots_(model::makePivots(scene_.model.joints, bricks_)),
-      motion_{model::startPoses(scene_.model.tiles, bricks_),
+      pivots_(brick::makePivots(scene_.model.joints, bricks_)),
+      motion_{brick::startPoses(scene_.model.tiles, bricks_),
               std::vector<Velocity>(bricks_.size())},
       size_(model::modelSize(scene_.model)) {
   if (scene_.model.target) {
     springs_.emplace(bricks_, *scene_.model.target, scene_.model.pulledTiles, scene_.springs);
   }
-  loads_ = [this](const Poses& poses, std::vector<model::Load>& out) {
-    std::ranges::fill(out, model::Load{});
+  loads_ = [this](const Poses& poses, std::vector<brick::Load>& out) {
+    std::ranges::fill(out, brick::Load{});
     if (springs_) springs_->addLoads(poses, 1, out);
   };
-  timedLoads_ = [this](double, const Poses& poses, std::vector<model::Load>& out) {
+  timedLoads_ = [this](double, const Poses& poses, std::vector<brick::Load>& out) {
     loads_(poses, out);
   };
   const double before = threadCpuSeconds();
@@ -72,7 +72,7 @@ SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> 
   setupSeconds_ = threadCpuSeconds() - before;
   // Without a perturbation, a run might never leave a singular closed state, which is an
   // equilibrium.
-  motion_.velocities = run::perturbation(bricks_.size(), size_, scene_.solver.seed);
+  motion_.velocities = run::perturbation(bricks_, motion_.poses, size_, scene_.solver.seed);
 }
 
 // One step of the scene's length. Only the solver's time counts, not that of the measurements.
@@ -130,19 +130,19 @@ namespace {
 template <engines::BulletMethod Solver>
 std::unique_ptr<engines::BrickWorld> makeBulletWorld(const Method& method,
                                                      const scene::Scene& scene,
-                                                     const std::vector<model::Brick>& bricks,
+                                                     const std::vector<brick::Brick>& bricks,
                                                      const Poses& start) {
   return std::make_unique<engines::BulletWorld>(
-      bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
+      bricks, start, brick::makePivots(scene.model.joints, bricks), scene.environment,
       engines::BulletSettings{Solver, method.iterations, method.jointCorrection});
 }
 
 std::unique_ptr<engines::BrickWorld> makeMultiBodyWorld(const Method& method,
                                                         const scene::Scene& scene,
-                                                        const std::vector<model::Brick>& bricks,
+                                                        const std::vector<brick::Brick>& bricks,
                                                         const Poses& start) {
   return std::make_unique<engines::MultiBodyWorld>(bricks, start,
-                                                   model::makePivots(scene.model.joints, bricks),
+                                                   brick::makePivots(scene.model.joints, bricks),
                                                    scene.environment, method.iterations);
 }
 
@@ -191,7 +191,7 @@ std::string toString(const Method& method) {
 
 // Ours takes the whole step. Engines get their substeps from WorldDynamics.
 DynamicsMaker dynamicsMaker(const Method& method) {
-  return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+  return [method](const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
                   const Poses& start) -> std::unique_ptr<run::Dynamics> {
     if (method.engine == kDirect) {
       auto direct = std::make_unique<run::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks,

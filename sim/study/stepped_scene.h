@@ -26,7 +26,7 @@ struct Method;
 /// Creates a physics engine's world of bricks, each at its start pose, with the method's settings.
 using WorldMaker = std::unique_ptr<engines::BrickWorld> (*)(const Method& method,
                                                             const scene::Scene& scene,
-                                                            const std::vector<model::Brick>& bricks,
+                                                            const std::vector<brick::Brick>& bricks,
                                                             const Poses& start);
 
 /// A solver of the joints.
@@ -63,7 +63,7 @@ std::string toString(const Method& method);
 
 /// Creates the dynamics that advance a scene's bricks from their start.
 using DynamicsMaker = std::function<std::unique_ptr<run::Dynamics>(
-    const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
+    const scene::Scene&, const std::vector<brick::Brick>& bricks, const Poses& start)>;
 
 /// An engine at 240 steps per second with various substeps and iterations. The cost of a step is
 /// proportional to their product.
@@ -86,7 +86,7 @@ class SteppedScene {
   /// Uses another solver. Its rate sets the timestep, or the longest step if it has a tolerance.
   SteppedScene(const scene::Scene& scene, const Method& method);
   /// Uses another solver and given bricks.
-  SteppedScene(const scene::Scene& scene, std::vector<model::Brick> bricks,
+  SteppedScene(const scene::Scene& scene, std::vector<brick::Brick> bricks,
                const DynamicsMaker& makeSolver);
   SteppedScene(const SteppedScene&) = delete;
   SteppedScene& operator=(const SteppedScene&) = delete;
@@ -95,9 +95,9 @@ class SteppedScene {
   void advance();
 
   /// One per tile.
-  const std::vector<model::Brick>& bricks() const { return bricks_; }
+  const std::vector<brick::Brick>& bricks() const { return bricks_; }
   /// The pivots of all joints.
-  const std::vector<model::Pivot>& pivots() const { return pivots_; }
+  const std::vector<brick::Pivot>& pivots() const { return pivots_; }
   /// The current motion.
   const Motion& motion() const { return motion_; }
   /// Report of the direct solver's steps so far.
@@ -111,7 +111,7 @@ class SteppedScene {
   /// The diagonal of the start, metres.
   double size() const { return size_; }
   /// The bottoms of the bricks.
-  std::vector<model::Tile> tiles() const { return model::bottomTiles(bricks_, motion_.poses); }
+  std::vector<model::Tile> tiles() const { return brick::bottomTiles(bricks_, motion_.poses); }
   /// Whether every brick is within a thousand model sizes of the origin.
   bool isFinite() const;
   /// Energy of motion, springs and gravity, joules.
@@ -119,8 +119,8 @@ class SteppedScene {
 
  private:
   scene::Scene scene_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   Motion motion_;
   std::optional<run::TargetSprings> springs_;
   std::unique_ptr<run::Dynamics> dynamics_;
@@ -212,7 +212,7 @@ struct HardTrial {
   std::string name;                  ///< of the case, in tables
   std::string tried;                 ///< one phrase: the difficulty
   scene::Scene scene;                ///< the scene to run
-  std::vector<model::Brick> bricks;  ///< empty: made by the scene's own brick rule
+  std::vector<brick::Brick> bricks;  ///< empty: made by the scene's own brick rule
   int rate = 240;                    ///< steps per simulated second
   double seconds = 1;                ///< simulated
   std::string errorMeaning;          ///< what `error` measures

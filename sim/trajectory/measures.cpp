@@ -14,7 +14,7 @@
 #include <tuple>
 
 #include "sim/base/interruption.h"
-#include "sim/model/contact.h"
+#include "sim/brick/contact.h"
 #include "sim/model/isometry.h"
 
 namespace kirireel::trajectory {
@@ -27,7 +27,7 @@ double largerOf(double largest, double figure) {
 
 }  // namespace
 
-JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses) {
+JointGap jointGap(std::span<const brick::Pivot> pivots, const Poses& poses) {
   JointGap gap;
   if (pivots.empty()) return gap;
   const std::vector<Matrix3> turns = rotationMatrices(poses);
@@ -35,7 +35,7 @@ JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses) {
     const auto i = static_cast<std::size_t>(brick);
     return poses[i].position + turns[i] * point;
   };
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     const Vector3 apart = placed(pivot.brickA, pivot.pointA) - placed(pivot.brickB, pivot.pointB);
     const double distance = std::abs(apart.norm() - pivot.distance);
     gap.max = largerOf(gap.max, distance);
@@ -45,7 +45,7 @@ JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses) {
   return gap;
 }
 
-double targetError(const std::vector<model::Tile>& target, const std::vector<model::Brick>& bricks,
+double targetError(const std::vector<model::Tile>& target, const std::vector<brick::Brick>& bricks,
                    const Poses& poses) {
   double largest = 0;  // squared
   for (size_t i = 0; i < bricks.size(); ++i) {
@@ -58,7 +58,7 @@ double targetError(const std::vector<model::Tile>& target, const std::vector<mod
   return std::sqrt(largest);
 }
 
-double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& motion) {
+double kineticEnergy(const std::vector<brick::Brick>& bricks, const Motion& motion) {
   double energy = 0;
   for (size_t i = 0; i < bricks.size(); ++i) {
     const Velocity& velocity = motion.velocities[i];
@@ -127,7 +127,7 @@ struct Prism {
 
 // A convex piece as a prism. The normals of its sides follow from the edges and the brick's normal
 // and are not stored.
-Prism prismOf(const model::Brick& brick, int number) {
+Prism prismOf(const brick::Brick& brick, int number) {
   Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
@@ -145,10 +145,10 @@ Prism prismOf(const model::Brick& brick, int number) {
 
 // All pieces of all bricks. Pieces of one brick are consecutive: PlacedPrisms::of() relies on
 // this.
-std::vector<Prism> prismsOf(const std::vector<model::Brick>& bricks) {
+std::vector<Prism> prismsOf(const std::vector<brick::Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
-  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
+  for (const brick::BrickPiece& piece : brick::convexPieces(bricks)) {
     checkInterruption();
     prisms.push_back(prismOf(piece.shape, piece.brick));
   }
@@ -156,11 +156,11 @@ std::vector<Prism> prismsOf(const std::vector<model::Brick>& bricks) {
 }
 
 /// The pieces of one brick of a joined pair, without the corners that both share.
-std::vector<Prism> cutPrismsOf(const model::Brick& brick, int number,
+std::vector<Prism> cutPrismsOf(const brick::Brick& brick, int number,
                                const std::vector<int>& corners, double length) {
   std::vector<Prism> prisms;
-  for (const model::BrickPiece& piece : model::convexPieces(brick, number)) {
-    prisms.push_back(prismOf(model::withoutCorners(piece, corners, length), number));
+  for (const brick::BrickPiece& piece : brick::convexPieces(brick, number)) {
+    prisms.push_back(prismOf(brick::withoutCorners(piece, corners, length), number));
   }
   return prisms;
 }
@@ -432,13 +432,13 @@ struct JoinedPair {
 };
 
 // Pairs that share pivots. Each is cut once: the shared corners are fixed in brick axes.
-std::vector<JoinedPair> joinedPairs(const std::vector<model::Brick>& bricks,
-                                    std::span<const model::Pivot> pivots, double zone) {
+std::vector<JoinedPair> joinedPairs(const std::vector<brick::Brick>& bricks,
+                                    std::span<const brick::Pivot> pivots, double zone) {
   std::vector<JoinedPair> pairs;
-  for (const auto& [numbers, corners] : model::sharedCorners(pivots)) {
+  for (const auto& [numbers, corners] : brick::sharedCorners(pivots)) {
     checkInterruption();
     const auto [a, b] = numbers;
-    const double length = model::cutLength(bricks[a], bricks[b], zone);
+    const double length = brick::cutLength(bricks[a], bricks[b], zone);
     JoinedPair& pair =
         pairs.emplace_back(JoinedPair{a, b, cutPrismsOf(bricks[a], a, corners.ofA, length),
                                       cutPrismsOf(bricks[b], b, corners.ofB, length)});
@@ -562,12 +562,12 @@ struct Overlaps {
   bool areAll = true;
 };
 
-Overlaps overlapsOutsidePivots(const std::vector<model::Brick>& bricks,
-                               std::span<const model::Pivot> pivots, double zone,
+Overlaps overlapsOutsidePivots(const std::vector<brick::Brick>& bricks,
+                               std::span<const brick::Pivot> pivots, double zone,
                                const Poses& poses, double least) {
   PlacedPrisms placed;
   placed.place(prismsOf(bricks), poses);
-  const auto joined = model::sharedCorners(pivots);
+  const auto joined = brick::sharedCorners(pivots);
   Overlaps found;
   std::vector<PlacedPrism> cutA;
   std::vector<PlacedPrism> cutB;
@@ -576,7 +576,7 @@ Overlaps overlapsOutsidePivots(const std::vector<model::Brick>& bricks,
     const auto corners = joined.find({a, b});
     if (corners == joined.end()) return pairDepth(placed[pieceA], placed[pieceB], least);
     if (corners->second.areOneTile) return least;
-    const double length = model::cutLength(bricks[a], bricks[b], zone);
+    const double length = brick::cutLength(bricks[a], bricks[b], zone);
     std::vector<std::size_t> hints(placed.of(a).size() * placed.of(b).size(),
                                    std::numeric_limits<std::size_t>::max());
     placeAll(cutPrismsOf(bricks[a], a, corners->second.ofA, length), poses[a], cutA);
@@ -603,7 +603,7 @@ Overlaps overlapsOutsidePivots(const std::vector<model::Brick>& bricks,
 
 }  // namespace
 
-Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses) {
+Penetration deepestPenetration(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   PlacedPrisms placed;
   placed.place(prismsOf(bricks), poses);
   Penetration deepest;
@@ -616,15 +616,15 @@ Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Po
   return deepest;
 }
 
-Penetration deepestPenetrationOutsidePivots(const std::vector<model::Brick>& bricks,
-                                            std::span<const model::Pivot> pivots, double zone,
+Penetration deepestPenetrationOutsidePivots(const std::vector<brick::Brick>& bricks,
+                                            std::span<const brick::Pivot> pivots, double zone,
                                             const Poses& poses) {
   const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, pivots, zone, poses, 0);
   return all.empty() ? Penetration{} : all.front();
 }
 
-std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Brick>& bricks,
-                                                   std::span<const model::Pivot> pivots,
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<brick::Brick>& bricks,
+                                                   std::span<const brick::Pivot> pivots,
                                                    double zone, const Poses& poses, double least) {
   return overlapsOutsidePivots(bricks, pivots, zone, poses, least).pairs;
 }
@@ -770,13 +770,13 @@ struct PenetrationMeter::Internals {
 };
 
 // Checks all pairs of the start once: later states are compared pair by pair.
-PenetrationMeter::PenetrationMeter(const std::vector<model::Brick>& bricks,
-                                   std::span<const model::Pivot> pivots, double zone,
+PenetrationMeter::PenetrationMeter(const std::vector<brick::Brick>& bricks,
+                                   std::span<const brick::Pivot> pivots, double zone,
                                    const Poses& start, double least, bool countsJoined)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.prisms = prismsOf(bricks);
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     double squared = 0;
     for (const auto* points : {&brick.bottom, &brick.top}) {
       for (const Vector3& point : *points) squared = std::max(squared, point.squaredNorm());

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 #include "sim/model/model.h"
 
 namespace kirireel::trajectory {
@@ -20,10 +20,10 @@ struct JointGap {
 
 /// Gaps of all pivots at the given poses; zeros if there are none. If a pose is not finite, the
 /// largest gap is NaN.
-JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses);
+JointGap jointGap(std::span<const brick::Pivot> pivots, const Poses& poses);
 
 /// The largest distance of any bottom vertex from its target, metres; 0 for no tiles.
-double targetError(const std::vector<model::Tile>& target, const std::vector<model::Brick>& bricks,
+double targetError(const std::vector<model::Tile>& target, const std::vector<brick::Brick>& bricks,
                    const Poses& poses);
 
 /// A lower bound of the target error of rigid tiles, metres: the largest of the tiles' own minimax
@@ -48,18 +48,18 @@ constexpr long mostPairs(std::size_t bricks) {
 /// products of edges). Exact for convex tiles, and independent of the contact detection. Only the
 /// first mostPairs() near pairs are checked, here and below. Costs a sort of all bricks and a few
 /// dozen axes for each pair of near bricks.
-Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses);
+Penetration deepestPenetration(const std::vector<brick::Brick>& bricks, const Poses& poses);
 
 /// The same for the pairs that contacts keep apart: joined bricks are compared without the corners
 /// that they share, and parts of one tile are not compared. `zone` as in cutLength().
-Penetration deepestPenetrationOutsidePivots(const std::vector<model::Brick>& bricks,
-                                            std::span<const model::Pivot> pivots, double zone,
+Penetration deepestPenetrationOutsidePivots(const std::vector<brick::Brick>& bricks,
+                                            std::span<const brick::Pivot> pivots, double zone,
                                             const Poses& poses);
 
 /// All such pairs that overlap by more than `least` metres, the deepest first. brickA is the
 /// smaller index.
-std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Brick>& bricks,
-                                                   std::span<const model::Pivot> pivots,
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<brick::Brick>& bricks,
+                                                   std::span<const brick::Pivot> pivots,
                                                    double zone, const Poses& poses, double least);
 
 /// Depths of overlaps in a state, or the largest of several states. Metres, >= 0.
@@ -82,7 +82,7 @@ class PenetrationMeter {
   /// `least` metres count as zero. Keeps a reference to `bricks`. `zone`: see cutLength().
   /// `pivots`: positions of the joints. `countsJoined`: whether joined bricks count. Checks all
   /// near pairs of the start.
-  PenetrationMeter(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+  PenetrationMeter(const std::vector<brick::Brick>& bricks, std::span<const brick::Pivot> pivots,
                    double zone, const Poses& start, double least, bool countsJoined = true);
   ~PenetrationMeter();
   PenetrationMeter(const PenetrationMeter&) = delete;
@@ -109,6 +109,6 @@ class PenetrationMeter {
 };
 
 /// Kinetic energy of all bricks, joules.
-double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& motion);
+double kineticEnergy(const std::vector<brick::Brick>& bricks, const Motion& motion);
 
 }  // namespace kirireel::trajectory

@@ -91,7 +91,7 @@ Values LoadedPanels::tileMoments(double time) const {
   return atTime(*this, time, momentsOfTiles);
 }
 
-void setElasticity(const LoadedPanels& sheet, model::Elasticity& elasticity) {
+void setElasticity(const LoadedPanels& sheet, brick::Elasticity& elasticity) {
   elasticity.counts.emplace_back("bars", static_cast<int>(sheet.bars.size()));
   elasticity.counts.emplace_back("folds", static_cast<int>(sheet.folds.size()));
   elasticity.energyStart = sheet.energy(sheet.states.front());

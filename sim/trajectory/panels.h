@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/hinge.h"
 
 namespace kirireel::trajectory {
 
@@ -65,6 +65,6 @@ struct LoadedPanels {
 
 /// Sets the energies and the moment to those of the sheet's first and last state, and adds the
 /// counts of bars and folds.
-void setElasticity(const LoadedPanels& sheet, model::Elasticity& elasticity);
+void setElasticity(const LoadedPanels& sheet, brick::Elasticity& elasticity);
 
 }  // namespace kirireel::trajectory

@@ -70,7 +70,7 @@ class ShapeMeter final : public SampleMeter {
   }
 
   std::vector<double> measure(const Sample& sample) override {
-    const std::vector<model::Tile> tiles = model::bottomTiles(subject_.bricks, sample.poses);
+    const std::vector<model::Tile> tiles = brick::bottomTiles(subject_.bricks, sample.poses);
     const Vector3 sides = boxSides(tiles);
     const std::vector<model::Tile> seen = model::toFrame(frame_, tiles);
     const HullSize hull = hullSize(seen);
@@ -291,7 +291,7 @@ RunCurves curvesOf(const TrajectoryReader& run) {
     std::vector<double> values(shape.begin(), joints);
     for (const double value : mechanicsValues(at.mechanics, !subject.pairForces.empty()))
       values.push_back(value);
-    const std::vector<model::Tile> tiles = model::bottomTiles(subject.bricks, at.poses);
+    const std::vector<model::Tile> tiles = brick::bottomTiles(subject.bricks, at.poses);
     const std::optional<std::vector<model::Tile>>& target = subject.model.target;
     values.insert(
         values.end(),
@@ -420,7 +420,7 @@ std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const
 // is the sum over all springs.
 
 std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,
-                                      const std::vector<model::Brick>& bricks, const Poses& poses) {
+                                      const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<double> errors(bricks.size(), 0);
   for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
     for (std::size_t k = 0; k < bricks[brick].bottom.size(); ++k) {
@@ -448,9 +448,9 @@ std::vector<double> brickRotations(const Poses& start, const Poses& poses) {
   return angles;
 }
 
-std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const Poses& poses) {
+std::vector<double> brickJointGaps(std::span<const brick::Pivot> pivots, const Poses& poses) {
   std::vector<double> gaps(poses.size(), 0);
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     const double gap =
         (poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB)).norm();
     for (const int brick : {pivot.brickA, pivot.brickB}) gaps[brick] = std::max(gaps[brick], gap);
@@ -458,11 +458,11 @@ std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const P
   return gaps;
 }
 
-std::vector<double> brickMoments(const model::PairForces& forces, const Poses& poses) {
+std::vector<double> brickMoments(const brick::PairForces& forces, const Poses& poses) {
   std::vector<double> largest(poses.size(), 0);
-  const std::vector<model::HingeSpring>& springs = model::hingeSpringsOf(forces);
+  const std::vector<brick::HingeSpring>& springs = brick::hingeSpringsOf(forces);
   const std::vector<std::array<double, 2>> moments =
-      model::endMoments(springs, model::ligamentsOf(forces), poses);
+      brick::endMoments(springs, brick::ligamentsOf(forces), poses);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto [onA, onB] = moments[s];
     double& a = largest[springs[s].hinge.brickA];
@@ -473,9 +473,9 @@ std::vector<double> brickMoments(const model::PairForces& forces, const Poses& p
   return largest;
 }
 
-std::vector<double> brickElasticEnergies(const model::PairForces& forces, const Poses& poses) {
+std::vector<double> brickElasticEnergies(const brick::PairForces& forces, const Poses& poses) {
   std::vector<double> energies(poses.size(), 0);
-  for (const std::shared_ptr<const model::PairForce>& force : forces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : forces) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);
       const double half = 0.5 * force->energy(pair, poses);

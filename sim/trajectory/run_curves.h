@@ -9,8 +9,8 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/length_unit.h"
-#include "sim/model/brick.h"
-#include "sim/model/hinge.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -126,7 +126,7 @@ std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const
 /// For each brick the largest distance of its bottom vertices from their targets, metres. `target`
 /// has one tile per brick, vertex by vertex.
 std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,
-                                      const std::vector<model::Brick>& bricks, const Poses& poses);
+                                      const std::vector<brick::Brick>& bricks, const Poses& poses);
 
 /// For each brick the distance of its centre of mass from its start position, metres.
 std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
@@ -135,14 +135,14 @@ std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
 std::vector<double> brickRotations(const Poses& start, const Poses& poses);
 
 /// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
-std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const Poses& poses);
+std::vector<double> brickJointGaps(std::span<const brick::Pivot> pivots, const Poses& poses);
 
 /// For each brick the largest moment of its hinges, absolute value, N m. 0 if it has none. See
 /// endMoments().
-std::vector<double> brickMoments(const model::PairForces& forces, const Poses& poses);
+std::vector<double> brickMoments(const brick::PairForces& forces, const Poses& poses);
 
 /// For each brick the energy of its pair forces, joules. Each of the two bricks counts one half:
 /// the sum over all bricks is the total energy.
-std::vector<double> brickElasticEnergies(const model::PairForces& forces, const Poses& poses);
+std::vector<double> brickElasticEnergies(const brick::PairForces& forces, const Poses& poses);
 
 }  // namespace kirireel::trajectory

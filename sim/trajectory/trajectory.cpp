@@ -6,8 +6,8 @@ namespace kirireel::trajectory {
 
 // Bricks are made from the scene's tiles as the run makes them.
 Subject subjectOf(const scene::Scene& scene) {
-  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  model::PairForces pairForces = scene::tiesOf(scene, bricks).pairForces;
+  std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  brick::PairForces pairForces = scene::tiesOf(scene, bricks).pairForces;
   return {.model = scene.model,
           .brickRule = scene.brick,
           .bricks = std::move(bricks),

@@ -9,10 +9,10 @@
 #include "sim/base/fields.h"
 #include "sim/base/geometry.h"
 #include "sim/base/step_report.h"
-#include "sim/model/brick.h"
-#include "sim/model/contact.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
+#include "sim/brick/pair_force.h"
 #include "sim/model/model.h"
-#include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/panels.h"
 
@@ -78,9 +78,9 @@ enum class HoldKind {
 /// object. World axes.
 struct Hold {
   /// Values of `other` for objects that are no tile; obstacle k is kFirstObstacle - k.
-  static constexpr int kGround = model::kFixed;
+  static constexpr int kGround = brick::kFixed;
   /// Obstacle 0.
-  static constexpr int kFirstObstacle = model::kFirstObstacle;
+  static constexpr int kFirstObstacle = brick::kFirstObstacle;
 
   HoldKind kind = HoldKind::Contact;  ///< type of the hold
   int tile = 0;                       ///< index >= 0
@@ -173,11 +173,11 @@ struct Event {
 /// make pictures and meshes without the scene.
 struct Subject {
   model::Model model;                   ///< as it was simulated, aligned to its target
-  model::BrickRule brickRule;           ///< rule that made bricks from tiles
-  std::vector<model::Brick> bricks;     ///< one per tile
+  brick::BrickRule brickRule;           ///< rule that made bricks from tiles
+  std::vector<brick::Brick> bricks;     ///< one per tile
   std::optional<scene::Ground> ground;  ///< absent if the scene has none
   std::vector<model::Tile> obstacles;   ///< faces of fixed objects, world axes
-  model::PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
+  brick::PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
   std::string settings;                 ///< of the run, as JSON; may be empty
 };
 

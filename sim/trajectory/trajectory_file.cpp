@@ -14,8 +14,8 @@
 
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
+#include "sim/formats/text_table.h"
 #include "sim/model/sheet_frame.h"
-#include "sim/model/text_table.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/array_file.h"
 
@@ -107,26 +107,26 @@ std::vector<double> flatten(const std::vector<model::Tile>& tiles) {
 }
 
 /// One field of all bricks, point by point.
-std::vector<double> flatten(const std::vector<model::Brick>& bricks,
-                            std::vector<Vector3> model::Brick::*field) {
+std::vector<double> flatten(const std::vector<brick::Brick>& bricks,
+                            std::vector<Vector3> brick::Brick::*field) {
   std::vector<double> numbers;
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     for (const Vector3& point : brick.*field) append(numbers, point);
   }
   return numbers;
 }
 
-std::vector<double> flatten(const std::vector<model::Brick>& bricks, double model::Brick::*field) {
+std::vector<double> flatten(const std::vector<brick::Brick>& bricks, double brick::Brick::*field) {
   std::vector<double> numbers;
-  for (const model::Brick& brick : bricks) numbers.push_back(brick.*field);
+  for (const brick::Brick& brick : bricks) numbers.push_back(brick.*field);
   return numbers;
 }
 
 // Nine numbers per brick, kg m^2, about its centre of mass in its own axes.
-std::vector<double> inertias(const std::vector<model::Brick>& bricks) {
+std::vector<double> inertias(const std::vector<brick::Brick>& bricks) {
   std::vector<double> numbers;
   // The matrix is symmetric: rows and columns are equal.
-  for (const model::Brick& brick : bricks) {
+  for (const brick::Brick& brick : bricks) {
     numbers.insert(numbers.end(), brick.inertia.data(), brick.inertia.data() + 9);
   }
   return numbers;
@@ -262,22 +262,22 @@ void writeModel(ArrayWriter& file, const model::Model& model) {
   }
 }
 
-void writeBricks(ArrayWriter& file, const std::vector<model::Brick>& bricks,
-                 const model::BrickRule& rule) {
+void writeBricks(ArrayWriter& file, const std::vector<brick::Brick>& bricks,
+                 const brick::BrickRule& rule) {
   file.addGroup("bricks");
   file.setAttribute("bricks", "rule_thickness", rule.thickness);
   file.setAttribute("bricks", "rule_mass",
-                    std::string(rule.mass == model::MassRule::Unit ? "unit" : "prism"));
+                    std::string(rule.mass == brick::MassRule::Unit ? "unit" : "prism"));
   file.setAttribute("bricks", "rule_density", rule.density);
   const std::size_t count = bricks.size();
-  writePoints(file, "bricks/bottom", flatten(bricks, &model::Brick::bottom));
-  writePoints(file, "bricks/top", flatten(bricks, &model::Brick::top));
+  writePoints(file, "bricks/bottom", flatten(bricks, &brick::Brick::bottom));
+  writePoints(file, "bricks/top", flatten(bricks, &brick::Brick::top));
   std::vector<double> normals;
-  for (const model::Brick& brick : bricks) append(normals, brick.normal);
+  for (const brick::Brick& brick : bricks) append(normals, brick.normal);
   writeArray(file, "bricks/normal", normals, {count, 3}, "1");
-  writeArray(file, "bricks/thickness", flatten(bricks, &model::Brick::thickness), {count}, "m");
-  writeArray(file, "bricks/volume", flatten(bricks, &model::Brick::volume), {count}, "m^3");
-  writeArray(file, "bricks/mass", flatten(bricks, &model::Brick::mass), {count}, "kg");
+  writeArray(file, "bricks/thickness", flatten(bricks, &brick::Brick::thickness), {count}, "m");
+  writeArray(file, "bricks/volume", flatten(bricks, &brick::Brick::volume), {count}, "m^3");
+  writeArray(file, "bricks/mass", flatten(bricks, &brick::Brick::mass), {count}, "kg");
   writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
 }
 
@@ -290,7 +290,7 @@ void writeObstacles(ArrayWriter& file, const std::vector<model::Tile>& faces) {
 }
 
 /// Each type is a group: the bricks of each pair, and the columns of the type.
-void writePairForce(ArrayWriter& file, const model::PairForce& force) {
+void writePairForce(ArrayWriter& file, const brick::PairForce& force) {
   const std::string group = force.name().group;
   const std::size_t count = force.size();
   std::vector<int> bricks;
@@ -300,7 +300,7 @@ void writePairForce(ArrayWriter& file, const model::PairForce& force) {
   }
   file.addGroup(group);
   file.write(group + "/bricks", std::span<const int>(bricks), {count, 2});
-  for (const model::PairColumn& column : force.columns()) {
+  for (const brick::PairColumn& column : force.columns()) {
     const std::string name = group + "/" + column.name;
     const Shape shape = column.width == 1 ? Shape{count} : Shape{count, column.width};
     if (column.isWhole) {
@@ -519,7 +519,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
     file.setAttribute("ground", "friction", subject.ground->friction);
   }
   writeObstacles(file, subject.obstacles);
-  for (const std::shared_ptr<const model::PairForce>& force : subject.pairForces) {
+  for (const std::shared_ptr<const brick::PairForce>& force : subject.pairForces) {
     writePairForce(file, *force);
   }
   addSeries(file, "time", {}, "s");
@@ -598,7 +598,7 @@ using layout::kStepColumns;
 
 /// No brick farther away is drawn or meshed, metres. Runs end at a thousand model sizes, and models
 /// extend up to kMaxCoordinate.
-constexpr double kFarthest = 1e4 * model::kMaxCoordinate;
+constexpr double kFarthest = 1e4 * formats::kMaxCoordinate;
 
 /// All entries of an array that must have this shape and be finite.
 std::vector<double> finiteNumbers(const ArrayReader& file, const std::string& name,
@@ -764,7 +764,7 @@ class SubjectReader {
   }
 
   /// A group of pairs.
-  class PairGroup : public model::PairReader {
+  class PairGroup : public brick::PairReader {
    public:
     PairGroup(const SubjectReader& reader, std::string group, const model::Model& model)
         : reader_(reader), group_(std::move(group)), model_(model) {}
@@ -908,15 +908,15 @@ class SubjectReader {
     return model;
   }
 
-  model::BrickRule readBrickRule() const {
-    model::BrickRule rule;
+  brick::BrickRule readBrickRule() const {
+    brick::BrickRule rule;
     rule.thickness = file_.numberAttribute("bricks", "rule_thickness");
     rule.density = file_.numberAttribute("bricks", "rule_density");
     const std::string mass = file_.textAttribute("bricks", "rule_mass");
     if (mass != "unit" && mass != "prism") {
       file_.refuse(fmt::format("the attribute rule_mass is \"{}\" instead of unit or prism", mass));
     }
-    rule.mass = mass == "unit" ? model::MassRule::Unit : model::MassRule::Prism;
+    rule.mass = mass == "unit" ? brick::MassRule::Unit : brick::MassRule::Prism;
     return rule;
   }
 
@@ -933,7 +933,7 @@ class SubjectReader {
     const std::vector<double> masses = numbers("bricks/mass", {count});
     const std::vector<double> inertia = numbers("bricks/inertia", {count, 3, 3});
     for (std::size_t i = 0; i < count; ++i) {
-      model::Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
+      brick::Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
                          volumes[i], masses[i], Matrix3(&inertia[9 * i])};
       if (std::abs(brick.normal.norm() - 1) > kUnitTolerance) {
         file_.refuse(
@@ -941,14 +941,14 @@ class SubjectReader {
       }
       requireSolid(brick, i);
       // Convex parts follow from the outline and are not stored.
-      brick.parts = model::partsOfBottom(brick.bottom, brick.normal);
+      brick.parts = brick::partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
   }
 
   /// In a solid brick the top is above the bottom everywhere, and the bottom is anticlockwise about
   /// the normal.
-  void requireSolid(const model::Brick& brick, std::size_t number) const {
+  void requireSolid(const brick::Brick& brick, std::size_t number) const {
     for (const auto& [value, name] : {std::pair{brick.thickness, "thickness"},
                                       {brick.volume, "volume"},
                                       {brick.mass, "mass"}}) {

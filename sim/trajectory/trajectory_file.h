@@ -104,7 +104,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/model/hinge.h"
+#include "sim/brick/hinge.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel::trajectory {

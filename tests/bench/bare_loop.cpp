@@ -6,7 +6,7 @@
 #include "render/picture/gl_context.h"
 #include "render/picture/opengl.h"
 #include "render/picture/picture_geometry.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel::bench {
 namespace {
@@ -150,13 +150,13 @@ struct BareLoop::Parts {
 };
 
 PaintedSheet::PaintedSheet(int side) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = side;
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = 0.1;
-  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, 0.8);
-  bricks = model::makeBricks(tiles, rule);
-  poses = model::startPoses(tiles, bricks);
+  const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, 0.8);
+  bricks = brick::makeBricks(tiles, rule);
+  poses = brick::startPoses(tiles, bricks);
   picture::CameraFit fit;
   fit.aspect = kSize.aspect();
   camera = picture::fitCamera(picture::brickCorners(bricks, poses), fit);

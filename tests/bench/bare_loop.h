@@ -7,7 +7,7 @@
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::bench {
 
@@ -16,7 +16,7 @@ inline constexpr picture::FrameSize kSize = {1280, 720};
 
 /// Half-open squares, seen from a corner.
 struct PaintedSheet {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses poses;
   picture::Camera camera;
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/formats/read_model.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "sim/study/exact_sheet.h"
 
 namespace kirireel::bench {
@@ -36,7 +36,7 @@ std::vector<NamedScene> modelScenes(const std::filesystem::path& folder) {
     if (!exists(entry.path() / "vertices.txt")) continue;
     NamedScene named{entry.path().filename(), {}};
     std::vector<std::string> warnings;
-    named.scene.model = model::readModelFolder(entry.path(), warnings);
+    named.scene.model = formats::readModelFolder(entry.path(), warnings);
     model::alignStartToTarget(named.scene.model);
     named.scene.environment.contacts = scene::ContactFilter::All;
     applyAuthorsSettings(named.name, named.scene);

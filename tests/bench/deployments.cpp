@@ -31,8 +31,8 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
+#include "sim/formats/read_model.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/sheet.h"
@@ -70,7 +70,7 @@ std::vector<fs::path> modelsIn(const fs::path& folder) {
 
 /// The length of the run's motion over the one of the tiles' own motions to where it ends.
 double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
   double length = 0;
   for (std::size_t k = 1; k < samples.size(); ++k) {
@@ -85,7 +85,7 @@ int freedomsAt(const scene::Scene& scene, const trajectory::Trajectory& trajecto
   const auto last = static_cast<double>(trajectory.samples.size() - 1);
   const trajectory::Sample& middle =
       trajectory.samples[static_cast<std::size_t>(std::lround(part * last))];
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   std::vector<model::Tile> tiles = scene.model.tiles;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
@@ -146,7 +146,7 @@ void addWinding(const scene::Scene& scene, const run::DeploymentResult& result, 
 /// Whether two moves from sample to sample, one after the other, are opposed: at an angle whose
 /// cosine is clearly below 0.
 bool turnsBack(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
   for (std::size_t k = 2; k < samples.size(); ++k) {
     const double first = run::pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
@@ -271,7 +271,7 @@ void deployAll(const std::vector<std::string>& folders, scene::Scene scene) {
       const std::string name = path.filename().string();
       try {
         std::vector<std::string> warnings;
-        scene.model = model::readModel(path, std::nullopt, warnings);
+        scene.model = formats::readModel(path, std::nullopt, warnings);
         printRow(name, scene, tally);
       } catch (const std::exception& error) {
         fmt::print("{:<30} {}\n", name, error.what());

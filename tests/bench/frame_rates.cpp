@@ -14,8 +14,8 @@
 #include "sim/base/error.h"
 #include "sim/base/state_tape.h"
 #include "sim/deploy/deployment.h"
+#include "sim/formats/read_model.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {
@@ -68,7 +68,7 @@ int compareModels(const std::filesystem::path& folder, scene::Scene scene) {
       {"all", scene::ContactFilter::All}};
   for (const std::filesystem::path& path : modelsIn(folder)) {
     std::vector<std::string> warnings;
-    scene.model = model::readModel(path, std::nullopt, warnings);
+    scene.model = formats::readModel(path, std::nullopt, warnings);
     model::alignStartToTarget(scene.model);
     for (const auto& [name, filter] : filters) {
       scene.environment.contacts = filter;

@@ -25,8 +25,8 @@ struct Figures {
 };
 
 Figures figuresOf(const trajectory::TrajectoryReader& run) {
-  const std::vector<model::Brick>& bricks = run.subject().bricks;
-  const std::vector<model::Pivot> pivots = model::makePivots(run.subject().model.joints, bricks);
+  const std::vector<brick::Brick>& bricks = run.subject().bricks;
+  const std::vector<brick::Pivot> pivots = brick::makePivots(run.subject().model.joints, bricks);
   const double tile = model::tileSize(run.subject().model);
   Figures figures;
   for (std::size_t i = 0; i < run.times().size(); ++i) {

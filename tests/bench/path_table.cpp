@@ -26,7 +26,7 @@ Path followPath(scene::Scene scene, int rate) {
   for (int step = 1; step <= steps; ++step) {
     run.advance();
     if (step % (rate / kSamplesASecond) != 0) continue;
-    path.tiles.push_back(model::bottomTiles(run.bricks(), run.motion().poses));
+    path.tiles.push_back(brick::bottomTiles(run.bricks(), run.motion().poses));
   }
   path.milliseconds = 1e3 * run.seconds() / kSeconds;
   return path;

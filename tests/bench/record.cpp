@@ -18,7 +18,7 @@
 #include "render/picture/painter.h"
 #include "render/picture/video.h"
 #include "render/record/pipeline.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/bench/bare_loop.h"
 #include "tests/support/program.h"
 
@@ -59,7 +59,7 @@ double leastCost(int frames, const std::function<void()>& frame) {
 /// Opens so slowly that it is still on its way after `frames` frames.
 scene::Scene slowScene(int frames) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({.columns = kSide, .rows = kSide});
+  scene.model = generate::makeTessellation({.columns = kSide, .rows = kSide});
   scene.brick.thickness = 0.1;
   scene.springs.forceDamping = 1e4;
   scene.path.kind = scene::PathKind::Straight;

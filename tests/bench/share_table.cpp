@@ -26,13 +26,13 @@ double microseconds(const Call& call) {
 template <int D>
 void printShares(int side) {
   const scene::Scene scene = sheetScene(side, D == 3, scene::SolverKind::Direct);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const Motion motion{model::startPoses(scene.model.tiles, bricks),
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const Motion motion{brick::startPoses(scene.model.tiles, bricks),
                       std::vector<Velocity>(bricks.size())};
   const run::TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
-  mechanics::StepSystem<D> system(bricks, model::makePivots(scene.model.joints, bricks),
+  mechanics::StepSystem<D> system(bricks, brick::makePivots(scene.model.joints, bricks),
                                   model::tileSize(scene.model));
-  std::vector<model::Load> loads(bricks.size());
+  std::vector<brick::Load> loads(bricks.size());
   const double load = microseconds([&] {
     for (std::size_t i = 0; i < bricks.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), motion.poses[i], 1);

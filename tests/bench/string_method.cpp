@@ -53,14 +53,14 @@ class String {
  public:
   String(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown)
       : mostGrown_(mostGrown),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
         meter_(bricks_, pivots_, scene.environment.pivotZone, guide.front(), 0),
         isPlanar_(scene::sceneNeeds(scene).planar.on),
         tile_(model::tileSize(scene.model)),
         group_(model::symmetriesOf(scene.model)) {
-    if (isPlanar_) std::erase_if(pivots_, [](const model::Pivot& pivot) { return pivot.isUpper; });
-    for (const model::Brick& brick : bricks_) {
+    if (isPlanar_) std::erase_if(pivots_, [](const brick::Pivot& pivot) { return pivot.isUpper; });
+    for (const brick::Brick& brick : bricks_) {
       double sum = 0;
       for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
       radii_.push_back(std::sqrt(sum / static_cast<double>(brick.bottom.size())));
@@ -138,8 +138,8 @@ class String {
 
   double gapOf(const Poses& poses) const {
     double largest = 0;
-    for (const model::Pivot& pivot : pivots_)
-      largest = std::max(largest, model::pivotGap(pivot, poses));
+    for (const brick::Pivot& pivot : pivots_)
+      largest = std::max(largest, brick::pivotGap(pivot, poses));
     return largest;
   }
 
@@ -222,7 +222,7 @@ class String {
     Joints joints{Vector(rows), {rows, freedoms() * static_cast<int>(poses.size())}};
     std::vector<Eigen::Triplet<double>> slopes;
     for (std::size_t j = 0; j < pivots_.size(); ++j) {
-      const model::Pivot& pivot = pivots_[j];
+      const brick::Pivot& pivot = pivots_[j];
       const Pose& a = poses[static_cast<std::size_t>(pivot.brickA)];
       const Pose& b = poses[static_cast<std::size_t>(pivot.brickB)];
       const int row = 3 * static_cast<int>(j);
@@ -279,8 +279,8 @@ class String {
   }
 
   double mostGrown_;  // metres
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   trajectory::PenetrationMeter meter_;
   bool isPlanar_;
   std::vector<double> radii_;  // of gyration, metres

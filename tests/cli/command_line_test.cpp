@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/formats/joint_faces.h"
 #include "tests/support/refusal.h"
 
 namespace kirireel {
@@ -105,7 +106,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
                                           "--no-align"})
                                  .scene;
   EXPECT_EQ(scene.brick.thickness, 0.1);
-  EXPECT_EQ(scene.brick.mass, model::MassRule::Prism);
+  EXPECT_EQ(scene.brick.mass, brick::MassRule::Prism);
   EXPECT_EQ(scene.brick.density, 500);
   EXPECT_EQ(scene.springs.springStiffness, 25);
   EXPECT_EQ(scene.springs.torqueStiffness, 30);
@@ -287,9 +288,9 @@ TEST(CommandLine, ChoosesFacesOfJoints) {
   };
   EXPECT_FALSE(facesOf({}));
   EXPECT_FALSE(facesOf({"--faces", "model"}));
-  EXPECT_EQ(facesOf({"--faces", "fold"}), model::FaceRule::Fold);
-  EXPECT_EQ(facesOf({"--faces", "pykirigami"}), model::FaceRule::PyKirigami);
-  EXPECT_EQ(facesOf({"--auto_detect_connections"}), model::FaceRule::PyKirigami);
+  EXPECT_EQ(facesOf({"--faces", "fold"}), formats::FaceRule::Fold);
+  EXPECT_EQ(facesOf({"--faces", "pykirigami"}), formats::FaceRule::PyKirigami);
+  EXPECT_EQ(facesOf({"--auto_detect_connections"}), formats::FaceRule::PyKirigami);
 }
 
 TEST(CommandLine, UnknownOptionSuggestsTheNearest) {

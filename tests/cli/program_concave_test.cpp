@@ -14,7 +14,7 @@
 
 #include "render/picture/png.h"
 #include "tests/cli/run_program.h"
-#include "tests/sim/model/polygons.h"
+#include "tests/support/polygons.h"
 
 namespace kirireel {
 namespace {

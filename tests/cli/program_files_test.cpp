@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {
@@ -88,7 +88,7 @@ model::Model openSquares() {
 
 TEST_F(Files, ConcaveTilesDeploy) {
   for (const char* name : {"stars", "crosses", "islamic", "trefoils"}) {
-    model::writeModelFolder(family(name), scratch_ / name);
+    formats::writeModelFolder(family(name), scratch_ / name);
     EXPECT_EQ(simulate(name).exitCode, 0) << name;
     EXPECT_TRUE(summary_["at_target"].get<bool>()) << name;
   }
@@ -159,7 +159,7 @@ TEST_F(Files, TilesAreNamedAsTheFileCountsThem) {
 
 // Four quads without a path of closed joints to their target: joints open by at least 1.7e-2 m.
 TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
-  model::writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
+  formats::writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
   const ProgramEnd end = simulate("nonrigid");
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_THAT(end.out, HasSubstr("\njoints open by up to "));
@@ -186,7 +186,7 @@ TEST_F(Files, WedgedQuadsInSpaceArrive) {
       }
     }
   }
-  model::writeModelFolder(cap, scratch_ / "cap");
+  formats::writeModelFolder(cap, scratch_ / "cap");
   EXPECT_EQ(simulate("cap").exitCode, 0);
   EXPECT_TRUE(summary_["at_target"].get<bool>());
   // Openings below 0.02 tile are alike; of such paths the smoothest is taken. Measured: 2.6e-3 m
@@ -227,7 +227,7 @@ TEST_F(Files, ClockwiseTilesComeBackInTheirOwnOrder) {
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_THAT(end.err, HasSubstr("repaired: 9 of 9 tiles run clockwise seen from above"));
   std::istringstream starts(readText(scratch_ / "sheet_vertices.txt"));
-  for (const model::Tile& tile : model::readTileFile(scratch_ / "out/final_vertices.txt")) {
+  for (const model::Tile& tile : formats::readTileFile(scratch_ / "out/final_vertices.txt")) {
     EXPECT_LT(model::tileNormal(tile).z(), 0);
     std::vector<Vector3> corners;
     for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
@@ -265,9 +265,9 @@ TEST_F(Files, MixedAndShuffledFilesMapBackByIndex) {
     }
     mixed = model::inFileOrder(mixed);
     const std::string name = fmt::format("mixed{}", round);
-    model::writeModelFolder(mixed, scratch_ / name);
+    formats::writeModelFolder(mixed, scratch_ / name);
     EXPECT_EQ(simulate(name).exitCode, 0);
-    const std::vector<model::Tile> end = model::readTileFile(scratch_ / "out/final_vertices.txt");
+    const std::vector<model::Tile> end = formats::readTileFile(scratch_ / "out/final_vertices.txt");
     ASSERT_EQ(end.size(), mixed.tiles.size());
     model::alignToStart(mixed, *mixed.target);
     for (std::size_t i = 0; i < end.size(); ++i) {
@@ -304,7 +304,7 @@ TEST_F(Files, PixelsAreAsGoodAsMetres) {
 }
 
 TEST_F(Files, PatternsDeployAgain) {
-  model::writeModelFolder(family("stars"), scratch_ / "stars");
+  formats::writeModelFolder(family("stars"), scratch_ / "stars");
   ASSERT_EQ(simulate("stars", {"--export", "svg,dxf"}).exitCode, 0);
   for (const char* pattern : {"cut_pattern.svg", "cut_pattern.dxf"}) {
     std::filesystem::copy_file(scratch_ / "out" / pattern, scratch_ / pattern);

@@ -51,7 +51,7 @@ class Scenes : public testing::Test {
         simulate(model, {"--duration", "60", "--target", (scratch_ / "half.txt").string(),
                          "--target", (model / "target.txt").string()});
     EXPECT_EQ(chain.summary["outcome"], "settled");
-    return trajectory::targetError(model::bottomTiles(direct.bricks, direct.samples.back().poses),
+    return trajectory::targetError(brick::bottomTiles(direct.bricks, direct.samples.back().poses),
                                    chain.run.bricks, chain.run.samples.back().poses);
   }
 

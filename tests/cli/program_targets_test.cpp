@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {
@@ -21,7 +21,7 @@ using ::testing::Not;
 class Targets : public testing::Test {
  protected:
   ProgramEnd simulate(const model::Model& model, std::vector<std::string> options) {
-    model::writeModelFolder(model, scratch_ / "model");
+    formats::writeModelFolder(model, scratch_ / "model");
     options.insert(options.begin(), {"simulate", (scratch_ / "model").string(), "--out",
                                      (scratch_ / "out").string()});
     const ProgramEnd end = runKirireel(options);
@@ -34,7 +34,7 @@ class Targets : public testing::Test {
 };
 
 TEST_F(Targets, ATargetWithOpenJointsIsReportedAsNotReached) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
   }
@@ -52,7 +52,7 @@ TEST_F(Targets, ATargetWithOpenJointsIsReportedAsNotReached) {
 }
 
 TEST_F(Targets, AMissedOneIsReportedInSixLines) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
   }
@@ -70,7 +70,7 @@ TEST_F(Targets, AMissedOneIsReportedInSixLines) {
 }
 
 TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
-  const model::Model model = model::makeTessellation({});
+  const model::Model model = generate::makeTessellation({});
   const ProgramEnd guided =
       simulate(model, {"--path", "guided", "--damping-ratio", "0", "--verbose"});
   EXPECT_THAT(
@@ -89,7 +89,7 @@ TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
 }
 
 TEST_F(Targets, AMovedTargetIsReported) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   for (model::Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 1;
   }
@@ -104,7 +104,7 @@ TEST_F(Targets, AMovedTargetIsReported) {
 
 TEST_F(Targets, PinnedTilesAreWhatAStartIsMovedBy) {
   // An alignment by all tiles would keep the pinned one 45 degrees from its target.
-  const ProgramEnd end = simulate(model::makeTessellation({}), {"--pin", "0"});
+  const ProgramEnd end = simulate(generate::makeTessellation({}), {"--pin", "0"});
   EXPECT_EQ(end.exitCode, 0) << end.out;
   EXPECT_EQ(summary_["outcome"], "settled");
   EXPECT_LT(summary_["accuracy"]["target_error_end"].get<double>(), 1e-6);  // measured

@@ -166,13 +166,13 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   ASSERT_TRUE(record::verifyRun(run).complaints.empty());
   const trajectory::Trajectory whole = trajectory::readTrajectory(run + "/trajectory.h5");
   trajectory::Trajectory other = whole;
-  std::vector<model::Ligament> ligaments = model::ligamentsOf(whole.pairForces);
+  std::vector<brick::Ligament> ligaments = brick::ligamentsOf(whole.pairForces);
   ligaments[2].shearStiffness *= 1.001;
-  other.pairForces = test::pairForces(model::hingeSpringsOf(whole.pairForces), ligaments);
+  other.pairForces = test::pairForces(brick::hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
   EXPECT_THAT(record::verifyRun(run).complaints, Contains(HasSubstr("elasticity.energy_end is ")));
   ligaments.pop_back();
-  other.pairForces = test::pairForces(model::hingeSpringsOf(whole.pairForces), ligaments);
+  other.pairForces = test::pairForces(brick::hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
   EXPECT_THAT(record::verifyRun(run).complaints,
               Contains(HasSubstr("elasticity.ligaments is 4, but the poses give 3")));

@@ -1,7 +1,7 @@
 // A contracted OBJ file and the deployed one next to it.
 #include <array>
 
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "tests/fuzz/fuzz_input.h"
 
 using namespace kirireel;
@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::placeParts(kFiles, fuzz::inputText(bytes, size));
   fuzz::read([] {
     std::vector<std::string> warnings;
-    fuzz::requireSound(model::readModel(fuzz::folder() / kFiles[0], std::nullopt, warnings));
+    fuzz::requireSound(formats::readModel(fuzz::folder() / kFiles[0], std::nullopt, warnings));
   });
   return 0;
 }

@@ -1,5 +1,5 @@
 // PLY meshes.
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "tests/fuzz/fuzz_input.h"
 
 using namespace kirireel;
@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::place("sheet.ply", fuzz::inputText(bytes, size));
   fuzz::read([] {
     std::vector<std::string> warnings;
-    fuzz::requireSound(model::readModel(fuzz::folder() / "sheet.ply", std::nullopt, warnings));
+    fuzz::requireSound(formats::readModel(fuzz::folder() / "sheet.ply", std::nullopt, warnings));
   });
   return 0;
 }

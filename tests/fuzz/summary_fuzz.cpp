@@ -1,7 +1,7 @@
 // The summary.json of a run: as it is, and under a seal that fits it.
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/fuzz/fuzz_input.h"
 
@@ -12,13 +12,13 @@ namespace {
 /// The trajectory that the summary is compared with: a sheet of four tiles at rest.
 bool writeRun() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   trajectory::Trajectory run{trajectory::subjectOf(scene)};
   for (const double time : {0.0, 0.5}) {
     run.samples.push_back(
-        {.time = time, .poses = model::startPoses(scene.model.tiles, run.bricks)});
+        {.time = time, .poses = brick::startPoses(scene.model.tiles, run.bricks)});
   }
   trajectory::writeTrajectory(run, fuzz::folder() / "trajectory.h5");
   return true;

@@ -2,26 +2,26 @@
 
 #include <cmath>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel::test {
 namespace {
 
-model::BrickRule thick(double thickness) {
-  model::BrickRule rule;
+brick::BrickRule thick(double thickness) {
+  brick::BrickRule rule;
   rule.thickness = thickness;
   return rule;
 }
 
 /// Rotates bricks about z as the exact motion of a tessellation does.
-GoldenScene openingScene(const std::string& name, const model::TessellationShape& shape,
+GoldenScene openingScene(const std::string& name, const generate::TessellationShape& shape,
                          double angle) {
-  const model::BrickRule rule = thick(0.15);
+  const brick::BrickRule rule = thick(0.15);
   GoldenScene scene{
-      name, picture::makeContent(model::makeTessellation(shape), rule, std::nullopt), {}};
-  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
-  scene.poses = model::startPoses(tiles, model::makeBricks(tiles, rule));
+      name, picture::makeContent(generate::makeTessellation(shape), rule, std::nullopt), {}};
+  const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, angle);
+  scene.poses = brick::startPoses(tiles, brick::makeBricks(tiles, rule));
   for (std::size_t k = 0; k < scene.poses.size(); ++k) {
     // How far the tile's first side has turned since the start.
     const Vector3 now = tiles[k].vertices[1] - tiles[k].vertices[0];
@@ -44,7 +44,7 @@ GoldenScene brickScene(const std::string& name, const SampleBricks& sample, cons
   }
   Poses target = sample.poses;
   for (Pose& pose : target) pose.position *= 1.15;
-  scene.content.target = model::bottomTiles(sample.bricks, target);
+  scene.content.target = brick::bottomTiles(sample.bricks, target);
   picture::keepInView(scene.content, sample.poses);
   return scene;
 }
@@ -107,7 +107,7 @@ picture::Look with(Value picture::Look::*field, Value value) {
 }  // namespace
 
 std::vector<GoldenScene> goldenScenes() {
-  model::TessellationShape rectangles;
+  generate::TessellationShape rectangles;
   rectangles.columns = 6;
   rectangles.rows = 4;
   rectangles.length = 1.5;

@@ -10,8 +10,8 @@
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
 #include "render/record/record.h"
+#include "sim/formats/read_model.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "tests/golden/golden_scenes.h"
 #include "tests/support/files.h"
 
@@ -111,7 +111,7 @@ TEST(ReadmePictures, AreWhatTheProgramMakes) {
   const test::TemporaryFolder folder;
   scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = model::readModelFolder(inRepository("data/tessellation_4x4"), warnings);
+  scene.model = formats::readModelFolder(inRepository("data/tessellation_4x4"), warnings);
   model::alignStartToTarget(scene.model);
   record::RecordSettings settings;
   settings.folder = folder.path();

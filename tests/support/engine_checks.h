@@ -15,21 +15,21 @@ inline study::Method fineMethod(const study::Engine& engine) {
 /// One square without target that slides and turns.
 struct FreeSquare {
   scene::Scene scene;
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Motion motion;
 
   explicit FreeSquare(double damping) {
     scene = study::sheetScene(1, true);
     scene.environment.linearDamping = scene.environment.angularDamping = damping;
-    bricks = model::makeBricks(scene.model.tiles, scene.brick);
-    motion = {model::startPoses(scene.model.tiles, bricks), {{{1, 2, 0}, {0, 0, 3}}}};
+    bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+    motion = {brick::startPoses(scene.model.tiles, bricks), {{{1, 2, 0}, {0, 0, 3}}}};
   }
 
-  void run(const study::Engine& engine, int steps, const model::Load& load) {
+  void run(const study::Engine& engine, int steps, const brick::Load& load) {
     const auto dynamics = study::dynamicsMaker(fineMethod(engine))(scene, bricks, motion.poses);
     for (int step = 0; step < steps; ++step) {
       dynamics->advance(motion, 1.0 / 240,
-                        [&](const Poses&, std::vector<model::Load>& loads) { loads[0] = load; });
+                        [&](const Poses&, std::vector<brick::Load>& loads) { loads[0] = load; });
     }
   }
 };
@@ -37,7 +37,7 @@ struct FreeSquare {
 /// `rounding` of the engine's arithmetic.
 inline void expectForcesAccelerate(const study::Engine& engine, double rounding) {
   SCOPED_TRACE(engine.name);
-  model::Load load;
+  brick::Load load;
   load.force << 2, -1, 0, 0, 0, 0.5;
   FreeSquare square(0);
   square.run(engine, 240, load);

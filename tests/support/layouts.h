@@ -4,13 +4,13 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/model/brick.h"
-#include "sim/model/lattice.h"
+#include "sim/brick/brick.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel::test {
 
 struct Layout {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   std::vector<model::Joint> joints;
   Poses poses;
 };
@@ -18,14 +18,14 @@ struct Layout {
 inline Layout layoutOf(const std::vector<model::Tile>& tiles,
                        const std::vector<model::Joint>& joints, double thickness = 0.02) {
   Layout layout;
-  layout.bricks = model::makeBricks(tiles, {.thickness = thickness});
+  layout.bricks = brick::makeBricks(tiles, {.thickness = thickness});
   layout.joints = joints;
-  layout.poses = model::startPoses(tiles, layout.bricks);
+  layout.poses = brick::startPoses(tiles, layout.bricks);
   return layout;
 }
 
-inline model::TessellationShape squares(int columns, int rows, double angle) {
-  model::TessellationShape shape;
+inline generate::TessellationShape squares(int columns, int rows, double angle) {
+  generate::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
@@ -43,7 +43,7 @@ inline model::Model turned(model::Model model, double degrees) {
 
 /// Four squares in a ring of hinges: one degree of freedom.
 inline Layout hingedSquares(double angle = 0.7) {
-  const model::Model model = model::makeTessellation(squares(2, 2, angle));
+  const model::Model model = generate::makeTessellation(squares(2, 2, angle));
   return layoutOf(model.tiles, model.joints);
 }
 

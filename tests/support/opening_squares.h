@@ -1,7 +1,7 @@
 /// A trajectory for tests without a deployment.
 #pragma once
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory.h"
 #include "tests/support/layouts.h"
 
@@ -10,10 +10,10 @@ namespace kirireel::test {
 /// Four hinged squares that open from 0 to 1 radian in a second, eleven samples.
 inline trajectory::Trajectory openingSquares() {
   trajectory::Trajectory run;
-  run.model = model::makeTessellation(squares(2, 2, 0));
-  run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
+  run.model = generate::makeTessellation(squares(2, 2, 0));
+  run.bricks = brick::makeBricks(run.model.tiles, run.brickRule);
   for (int k = 0; k <= 10; ++k) {
-    const std::vector<model::Tile> tiles = model::tessellationTiles(squares(2, 2, 0), 0.1 * k);
+    const std::vector<model::Tile> tiles = generate::tessellationTiles(squares(2, 2, 0), 0.1 * k);
     trajectory::Sample sample;
     sample.time = 0.1 * k;
     for (std::size_t t = 0; t < tiles.size(); ++t) {

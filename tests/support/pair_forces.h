@@ -5,17 +5,17 @@
 #include <utility>
 #include <vector>
 
-#include "sim/model/hinge.h"
-#include "sim/model/pair_force.h"
+#include "sim/brick/hinge.h"
+#include "sim/brick/pair_force.h"
 
 namespace kirireel::test {
 
 /// Hinge springs and ligaments, as in a scene.
-inline model::PairForces pairForces(std::vector<model::HingeSpring> springs,
-                                    std::vector<model::Ligament> ligaments = {}) {
-  model::PairForces forces;
-  forces.add(std::make_shared<model::HingeSprings>(std::move(springs)));
-  forces.add(std::make_shared<model::Ligaments>(std::move(ligaments)));
+inline brick::PairForces pairForces(std::vector<brick::HingeSpring> springs,
+                                    std::vector<brick::Ligament> ligaments = {}) {
+  brick::PairForces forces;
+  forces.add(std::make_shared<brick::HingeSprings>(std::move(springs)));
+  forces.add(std::make_shared<brick::Ligaments>(std::move(ligaments)));
   return forces;
 }
 

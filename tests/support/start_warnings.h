@@ -14,7 +14,7 @@ namespace kirireel::test {
 inline std::vector<std::string> startWarnings(const scene::Scene& scene,
                                               exports::ExportSettings settings) {
   trajectory::Trajectory run{trajectory::subjectOf(scene)};
-  run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
+  run.samples.push_back({.time = 0, .poses = brick::startPoses(run.model.tiles, run.bricks)});
   settings.states = {"initial"};
   const TemporaryFolder folder;
   trajectory::writeTrajectory(run, folder / "trajectory.h5");

@@ -30,7 +30,7 @@ void openSheet(const char* picture) {
   const Poses& end = run.trajectory.samples.back().poses;
   std::printf("%s: %zu samples, %.3f m wide at the start, %.3f m at the end\n",
               deploy::toString(run.outcome).c_str(), run.trajectory.samples.size(),
-              width(scene.model.tiles), width(model::bottomTiles(run.trajectory.bricks, end)));
+              width(scene.model.tiles), width(brick::bottomTiles(run.trajectory.bricks, end)));
 
   const picture::FrameSize size{640, 480};
   picture::StatePainter painter(size, {}, picture::makeContent(scene.model, scene.brick, {}));

@@ -28,8 +28,8 @@ float dampingRate(double lost) {
 
 class Box2dWorld : public engines::BrickWorld {
  public:
-  Box2dWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-             std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  Box2dWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+             std::span<const brick::Pivot> pivots, const scene::Environment& environment,
              int iterations, int corrections)
       : start_(start),
         world_(toBox2d(environment.gravity)),
@@ -38,7 +38,7 @@ class Box2dWorld : public engines::BrickWorld {
     // Bodies at rest under small forces would stop to be simulated.
     world_.SetAllowSleeping(false);
     for (std::size_t k = 0; k < bricks.size(); ++k) addBrick(bricks[k], start[k], environment);
-    for (const model::Pivot& pivot : pivots) {
+    for (const brick::Pivot& pivot : pivots) {
       if (!pivot.isUpper) addPivot(pivot);
     }
   }
@@ -81,7 +81,7 @@ class Box2dWorld : public engines::BrickWorld {
 
  private:
   /// A body without a shape, since nothing collides: its mass is set.
-  void addBrick(const model::Brick& brick, const Pose& start,
+  void addBrick(const brick::Brick& brick, const Pose& start,
                 const scene::Environment& environment) {
     b2BodyDef definition;
     definition.type = b2_dynamicBody;
@@ -98,7 +98,7 @@ class Box2dWorld : public engines::BrickWorld {
   }
 
   /// A body's angle is 0 at the start, so its axes are the world's as they were then.
-  void addPivot(const model::Pivot& pivot) {
+  void addPivot(const brick::Pivot& pivot) {
     b2RevoluteJointDef definition;
     definition.bodyA = bodies_[pivot.brickA];
     definition.bodyB = bodies_[pivot.brickB];
@@ -116,9 +116,9 @@ class Box2dWorld : public engines::BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<brick::Brick>& bricks,
                                                     const Poses& start,
-                                                    std::span<const model::Pivot> pivots,
+                                                    std::span<const brick::Pivot> pivots,
                                                     const scene::Environment& environment,
                                                     int iterations, int corrections) {
   return std::make_unique<Box2dWorld>(bricks, start, pivots, environment, iterations, corrections);

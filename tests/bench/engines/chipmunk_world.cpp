@@ -30,16 +30,16 @@ cpVect toChipmunk(const Vector3& v) {
 
 class ChipmunkWorld : public engines::BrickWorld {
  public:
-  ChipmunkWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-                std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  ChipmunkWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+                std::span<const brick::Pivot> pivots, const scene::Environment& environment,
                 int iterations)
       : start_(start), space_(cpSpaceNew()) {
     cpSpaceSetIterations(space_.get(), iterations);
     cpSpaceSetGravity(space_.get(), toChipmunk(environment.gravity));
     cpSpaceSetDamping(space_.get(), 1 - environment.linearDamping);
-    for (const model::Brick& brick : bricks) addBrick(brick);
+    for (const brick::Brick& brick : bricks) addBrick(brick);
     writeMotion({start, std::vector<Velocity>(bricks.size())});
-    for (const model::Pivot& pivot : pivots) {
+    for (const brick::Pivot& pivot : pivots) {
       if (!pivot.isUpper) addPivot(pivot);
     }
   }
@@ -87,12 +87,12 @@ class ChipmunkWorld : public engines::BrickWorld {
   }
 
  private:
-  void addBrick(const model::Brick& brick) {
+  void addBrick(const brick::Brick& brick) {
     bodies_.emplace_back(cpBodyNew(brick.mass, brick.inertia(2, 2)));
     cpSpaceAddBody(space_.get(), bodies_.back().get());
   }
 
-  void addPivot(const model::Pivot& pivot) {
+  void addPivot(const brick::Pivot& pivot) {
     joints_.emplace_back(cpPivotJointNew2(bodies_[pivot.brickA].get(), bodies_[pivot.brickB].get(),
                                           anchor(pivot.brickA, pivot.pointA),
                                           anchor(pivot.brickB, pivot.pointB)));
@@ -112,9 +112,9 @@ class ChipmunkWorld : public engines::BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<engines::BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeChipmunkWorld(const std::vector<brick::Brick>& bricks,
                                                        const Poses& start,
-                                                       std::span<const model::Pivot> pivots,
+                                                       std::span<const brick::Pivot> pivots,
                                                        const scene::Environment& environment,
                                                        int iterations) {
   return std::make_unique<ChipmunkWorld>(bricks, start, pivots, environment, iterations);

@@ -47,13 +47,13 @@ std::string vectorWords(const Vector3& v) {
 struct PivotsOfPair {
   int a = 0;
   int b = 0;
-  std::vector<model::Pivot> pivots;
+  std::vector<brick::Pivot> pivots;
 };
 
 // By pairs of bricks, in the order of their numbers.
-std::vector<PivotsOfPair> pairsOf(std::span<const model::Pivot> pivots, bool planar) {
+std::vector<PivotsOfPair> pairsOf(std::span<const brick::Pivot> pivots, bool planar) {
   std::map<std::pair<int, int>, PivotsOfPair> pairs;
-  for (const model::Pivot& pivot : pivots) {
+  for (const brick::Pivot& pivot : pivots) {
     // In the plane both pivots of a hinge are the same constraint.
     if (planar && pivot.isUpper) continue;
     PivotsOfPair& pair = pairs[std::minmax(pivot.brickA, pivot.brickB)];
@@ -69,8 +69,8 @@ std::vector<PivotsOfPair> pairsOf(std::span<const model::Pivot> pivots, bool pla
 /// Writes the model as MuJoCo's text.
 class MujocoText {
  public:
-  MujocoText(const std::vector<model::Brick>& bricks, const Poses& start,
-             std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  MujocoText(const std::vector<brick::Brick>& bricks, const Poses& start,
+             std::span<const brick::Pivot> pivots, const scene::Environment& environment,
              bool planar)
       : bricks_(bricks),
         start_(start),
@@ -137,7 +137,7 @@ class MujocoText {
   }
 
   void addLoop(const PivotsOfPair& pair) {
-    for (const model::Pivot& pivot : pair.pivots) {
+    for (const brick::Pivot& pivot : pair.pivots) {
       loops_ += fmt::format("<connect body1=\"b{}\" body2=\"b{}\" anchor=\"{}\"/>", pivot.brickA,
                             pivot.brickB, vectorWords(pivot.pointA));
     }
@@ -163,7 +163,7 @@ class MujocoText {
   // A hinge about the line through two pivots, a ball at one, in the plane a turn about z.
   std::string jointText(const Child& child) const {
     const PivotsOfPair& pair = pairs_[child.pair];
-    const auto pointOf = [&](const model::Pivot& pivot) {
+    const auto pointOf = [&](const brick::Pivot& pivot) {
       return Vector3(pivot.brickA == child.brick ? pivot.pointA : pivot.pointB);
     };
     const Vector3 at = pointOf(pair.pivots.front());
@@ -175,7 +175,7 @@ class MujocoText {
                        vectorWords(pointOf(pair.pivots[1]) - at), vectorWords(at));
   }
 
-  const std::vector<model::Brick>& bricks_;
+  const std::vector<brick::Brick>& bricks_;
   const Poses& start_;
   std::vector<PivotsOfPair> pairs_;
   Vector3 gravity_;
@@ -201,8 +201,8 @@ MujocoModel readModelText(const std::string& text) {
 
 class MujocoWorld : public engines::BrickWorld {
  public:
-  MujocoWorld(const std::vector<model::Brick>& bricks, const Poses& start,
-              std::span<const model::Pivot> pivots, const scene::Environment& environment,
+  MujocoWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+              std::span<const brick::Pivot> pivots, const scene::Environment& environment,
               bool planar)
       : bricks_(bricks),
         start_(start),
@@ -294,7 +294,7 @@ class MujocoWorld : public engines::BrickWorld {
     }
   }
 
-  std::vector<model::Brick> bricks_;
+  std::vector<brick::Brick> bricks_;
   Poses start_;
   scene::Environment environment_;
   MujocoModel model_;
@@ -304,9 +304,9 @@ class MujocoWorld : public engines::BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<engines::BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeMujocoWorld(const std::vector<brick::Brick>& bricks,
                                                      const Poses& start,
-                                                     std::span<const model::Pivot> pivots,
+                                                     std::span<const brick::Pivot> pivots,
                                                      const scene::Environment& environment,
                                                      bool planar) {
   return std::make_unique<MujocoWorld>(bricks, start, pivots, environment, planar);

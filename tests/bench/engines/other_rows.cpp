@@ -17,26 +17,26 @@ using study::Method;
 using study::SheetMethod;
 
 std::unique_ptr<engines::BrickWorld> chipmunkWorld(const Method& method, const scene::Scene& scene,
-                                                   const std::vector<model::Brick>& bricks,
+                                                   const std::vector<brick::Brick>& bricks,
                                                    const Poses& start) {
-  return makeChipmunkWorld(bricks, start, model::makePivots(scene.model.joints, bricks),
+  return makeChipmunkWorld(bricks, start, brick::makePivots(scene.model.joints, bricks),
                            scene.environment, method.iterations);
 }
 
 // Box2D recommends 8 iterations for velocities and 3 for positions.
 std::unique_ptr<engines::BrickWorld> box2dWorld(const Method& method, const scene::Scene& scene,
-                                                const std::vector<model::Brick>& bricks,
+                                                const std::vector<brick::Brick>& bricks,
                                                 const Poses& start) {
-  return makeBox2dWorld(bricks, start, model::makePivots(scene.model.joints, bricks),
+  return makeBox2dWorld(bricks, start, brick::makePivots(scene.model.joints, bricks),
                         scene.environment, method.iterations,
                         std::max(1, 3 * method.iterations / 8));
 }
 
 std::unique_ptr<engines::BrickWorld> mujocoWorld(const Method& /*method*/,
                                                  const scene::Scene& scene,
-                                                 const std::vector<model::Brick>& bricks,
+                                                 const std::vector<brick::Brick>& bricks,
                                                  const Poses& start) {
-  return makeMujocoWorld(bricks, start, model::makePivots(scene.model.joints, bricks),
+  return makeMujocoWorld(bricks, start, brick::makePivots(scene.model.joints, bricks),
                          scene.environment, scene::sceneNeeds(scene).planar.on);
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/brick/brick.h"
 #include "sim/engines/brick_world.h"
-#include "sim/model/brick.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::bench {
@@ -18,17 +18,17 @@ namespace kirireel::bench {
 /// and tilts stay as they start. `iterations` of the solver in each step; the environment gives
 /// gravity along x and y and the damping of all velocities (its linear one).
 /// `start` holds one pose a brick. Steps may have any length.
-std::unique_ptr<engines::BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeChipmunkWorld(const std::vector<brick::Brick>& bricks,
                                                        const Poses& start,
-                                                       std::span<const model::Pivot> pivots,
+                                                       std::span<const brick::Pivot> pivots,
                                                        const scene::Environment& environment,
                                                        int iterations);
 
 /// The same in Box2D's world of single precision, with revolute joints. `iterations` of its solver
 /// for velocities, and `corrections` of that for positions, in each step.
-std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<brick::Brick>& bricks,
                                                     const Poses& start,
-                                                    std::span<const model::Pivot> pivots,
+                                                    std::span<const brick::Pivot> pivots,
                                                     const scene::Environment& environment,
                                                     int iterations, int corrections);
 
@@ -39,9 +39,9 @@ std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<model::Bri
 /// Throws std::runtime_error for bricks that MuJoCo cannot have.
 /// Costs MuJoCo's compilation of a model with all bricks, and steps with a dense Newton solve over
 /// all joint coordinates that loops touch.
-std::unique_ptr<engines::BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
+std::unique_ptr<engines::BrickWorld> makeMujocoWorld(const std::vector<brick::Brick>& bricks,
                                                      const Poses& start,
-                                                     std::span<const model::Pivot> pivots,
+                                                     std::span<const brick::Pivot> pivots,
                                                      const scene::Environment& environment,
                                                      bool planar);
 

@@ -219,7 +219,7 @@ TEST_F(Export, LeavesNothingOfASetThatFails) {
 TEST(ExportWarnings, ReportFewerElementsThanByDefault) {
   const auto warnings = [](int side, const exports::ExportSettings& settings) {
     scene::Scene scene;
-    scene.model = model::makeTessellation(test::squares(side, side, 0.5));
+    scene.model = generate::makeTessellation(test::squares(side, side, 0.5));
     return test::startWarnings(scene, settings);
   };
   exports::ExportSettings settings;
@@ -263,7 +263,7 @@ TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
 
 TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   scene::Scene scene;
-  scene.model = model::makeTessellation(test::squares(2, 2, 0.5));
+  scene.model = generate::makeTessellation(test::squares(2, 2, 0.5));
   scene.brick.thickness = 0.02;
   scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;

@@ -157,7 +157,7 @@ void checkAll(KeywordChecker& checker, const fea::ElementMesh& mesh, const Poses
 /// Those of squares on hinges with these elements.
 void checkDecks(KeywordChecker& checker, const fea::ElementRule& rule,
                 model::JointFace face = model::JointFace::Both) {
-  model::Model model = model::makeTessellation(test::squares(2, 2, 0.7));
+  model::Model model = generate::makeTessellation(test::squares(2, 2, 0.7));
   for (model::Joint& joint : model.joints) joint.face = face;
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   checkAll(checker, fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
@@ -167,7 +167,7 @@ void checkDecks(KeywordChecker& checker, const fea::ElementRule& rule,
 TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
   KeywordChecker abaqus;
-  const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
   for (const fea::ElementFamily family :
        {fea::ElementFamily::Solid, fea::ElementFamily::Shell,

@@ -32,7 +32,7 @@ double cpuSeconds(const std::filesystem::path& folder, const std::string& comman
 }
 
 fea::ElementMesh sheetOf(const fea::ElementRule& rule) {
-  const model::Model model = model::makeTessellation(test::squares(100, 100, 0.3));
+  const model::Model model = generate::makeTessellation(test::squares(100, 100, 0.3));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   return fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }

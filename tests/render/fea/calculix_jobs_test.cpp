@@ -56,13 +56,13 @@ class SpringHinge {
                                {{{0, 2}, {1, 0}, model::JointFace::Both}})),
         mesh_(fea::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
                                        {.perEdge = 4, .joints = fea::JointStyle::Patch})) {
-    const model::Hinge hinge =
-        model::findHinges(layout_.bricks, model::makePivots(layout_.joints, layout_.bricks), true)
+    const brick::Hinge hinge =
+        brick::findHinges(layout_.bricks, brick::makePivots(layout_.joints, layout_.bricks), true)
             .hinges.at(0);
     // Angles grow as tile 1 turns against tile 0, or tile 0 against tile 1.
     const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.z();
-    const double start = model::hingeAngle(hinge, layout_.poses);
-    const std::vector<model::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
+    const double start = brick::hingeAngle(hinge, layout_.poses);
+    const std::vector<brick::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
     EXPECT_EQ(fea::addHingeSprings(mesh_, springs, layout_.poses), 0);
   }
 
@@ -193,7 +193,7 @@ TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
 
 TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
   // Poisson's ratio is -1: as many squares across as along widen by what they lengthen.
-  const model::Model model = model::makeTessellation(test::squares(4, 4, 0.7));
+  const model::Model model = generate::makeTessellation(test::squares(4, 4, 0.7));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
   const Strained found = runPeriodic(fea::makeElementMesh(
       layout.bricks, layout.joints, layout.poses, {.perEdge = 2, .through = 1}));
@@ -204,9 +204,9 @@ TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
 }
 
 TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {
-  const model::Model first = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model first = generate::makeTessellation(test::squares(2, 2, 0));
   const Layout layout = test::layoutOf(first.tiles, first.joints);
-  const std::vector<model::Tile> opened = model::tessellationTiles(test::squares(2, 2, 0), 0.8);
+  const std::vector<model::Tile> opened = generate::tessellationTiles(test::squares(2, 2, 0), 0.8);
   Poses poses = layout.poses;
   for (std::size_t t = 0; t < poses.size(); ++t) {
     const bool isEven = (t / 2 + t % 2) % 2 == 0;

@@ -70,7 +70,7 @@ void expectToRun(const Layout& layout, const fea::ElementRule& rule) {
 }
 
 TEST_P(JobTemplate, RunsAsItIs) {
-  const model::Model open = model::makeTessellation(test::squares(3, 2, 0.9));
+  const model::Model open = generate::makeTessellation(test::squares(3, 2, 0.9));
   expectToRun(test::layoutOf(open.tiles, open.joints), GetParam());
   expectToRun(test::polygons(), GetParam());
 }
@@ -312,7 +312,8 @@ TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
 /// as it is: the analytic linkage.
 Vector3 linkage(double from, double to) {
   const auto between = [](double angle) {
-    const std::vector<model::Tile> tiles = model::tessellationTiles(test::squares(2, 2, 0), angle);
+    const std::vector<model::Tile> tiles =
+        generate::tessellationTiles(test::squares(2, 2, 0), angle);
     const Vector3 across = tiles[3].vertices[0] - tiles[0].vertices[0];
     // Tile 0 is even: turned by half the angle, backwards.
     return Quaternion(Eigen::AngleAxisd(angle / 2, Vector3::UnitZ())) * across;
@@ -357,7 +358,7 @@ fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
   for (int k = 0; k <= 20; ++k) {
     const double turn = 0.02 * k;
     const std::vector<model::Tile> tiles =
-        model::tessellationTiles(test::squares(rowLength, rowLength, 0), start + turn);
+        generate::tessellationTiles(test::squares(rowLength, rowLength, 0), start + turn);
     Poses poses = layout.poses;
     for (std::size_t t = 0; t < poses.size(); ++t) {
       const bool isEven = (t / rowLength + t % rowLength) % 2 == 0;
@@ -375,7 +376,8 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
   // Two tiles at opposite corners move as the linkage does; all others have to follow.
   const double start = 0.7;
   for (const int rowLength : {2, 4}) {
-    const model::Model model = model::makeTessellation(test::squares(rowLength, rowLength, start));
+    const model::Model model =
+        generate::makeTessellation(test::squares(rowLength, rowLength, start));
     const Layout layout = test::layoutOf(model.tiles, model.joints);
     const fea::ElementMesh mesh =
         fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
@@ -428,7 +430,7 @@ TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
   }
   // Four squares on necks ten times as long as wide open by 0.26 rad, 15 degrees.
-  const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
   const fea::ElementRule rule{.perEdge = 1,
                                   .joints = fea::JointStyle::Neck,

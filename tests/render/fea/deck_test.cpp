@@ -10,7 +10,7 @@
 
 #include "render/fea/job.h"
 #include "sim/base/error.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "sim/trajectory/sheet.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
@@ -330,7 +330,7 @@ TEST(Deck, ReportsWhereItComesFromAndWhatIdealHingesDo) {
 std::size_t freeMotions(const Layout& layout, double thickness) {
   model::Model model;
   model.joints = layout.joints;
-  model.tiles = model::bottomTiles(layout.bricks, layout.poses);
+  model.tiles = brick::bottomTiles(layout.bricks, layout.poses);
   return 6 +
          trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, thickness).freedoms;
 }
@@ -357,7 +357,7 @@ TEST(Supports, AreSixAndOneForEachMechanism) {
 TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
   for (const double thickness : {0.02, 0.002}) {
     for (const auto& [rows, columns] : {std::pair{2, 2}, {5, 5}, {2, 30}}) {
-      const model::Model model = model::makeTessellation(test::squares(rows, columns, 0.7));
+      const model::Model model = generate::makeTessellation(test::squares(rows, columns, 0.7));
       Layout layout = test::layoutOf(model.tiles, model.joints, thickness);
       const std::size_t known = freeMotions(layout, thickness);
       const fea::ElementRule rule{.perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation};
@@ -381,7 +381,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
   for (const auto& entry : std::filesystem::directory_iterator(KIRIREEL_SOURCE_DIR "/data")) {
     if (!std::filesystem::exists(entry.path() / "vertices.txt")) continue;
     std::vector<std::string> notes;
-    const model::Model model = model::readModel(entry.path(), std::nullopt, notes);
+    const model::Model model = formats::readModel(entry.path(), std::nullopt, notes);
     std::vector<std::vector<model::Tile>> tried = {model.tiles};
     if (model.target) tried.push_back(*model.target);
     for (const std::vector<model::Tile>& tiles : tried) {
@@ -401,7 +401,7 @@ TEST(Supports, CountTheFlatMechanismsOfClosedSquares) {
   // + 1 motions in the plane. With hinges the whole has three more motions. On ball joints of one
   // face each tile has three, less one for each of the 2 n (n - 1) joints.
   for (const int n : {5, 20, 40}) {
-    model::Model model = model::makeTessellation(test::squares(n, n, 0));
+    model::Model model = generate::makeTessellation(test::squares(n, n, 0));
     for (const model::JointFace face : {model::JointFace::Both, model::JointFace::Bottom}) {
       for (model::Joint& joint : model.joints) joint.face = face;
       const Layout layout = test::layoutOf(model.tiles, model.joints, 0.02);

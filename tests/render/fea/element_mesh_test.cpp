@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "tests/sim/model/polygons.h"
 #include "tests/support/layouts.h"
+#include "tests/support/polygons.h"
 
 namespace kirireel {
 namespace {
@@ -59,7 +59,7 @@ TEST(ElementMesh, FansFourCornersOfWhichOneIsStraight) {
 
 TEST(ElementMesh, RefusesBricksTooThinForTheElements) {
   Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
-  layout = test::layoutOf({model::bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
+  layout = test::layoutOf({brick::bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
   EXPECT_EQ(refusal(layout, {.perEdge = 2, .through = 1}),
             "error: tile 0 is too thin for its elements, 0.5 m long and 0.0009 m high; at most 500 "
             "times as long as high are allowed: use more elements per edge, fewer through the "
@@ -94,7 +94,7 @@ TEST(ElementMesh, RefusesImpossibleRules) {
 }
 
 TEST(ElementMesh, RefusesMoreElementsThanFit) {
-  const model::Model model = model::makeTessellation(test::squares(20, 20, 0));
+  const model::Model model = generate::makeTessellation(test::squares(20, 20, 0));
   EXPECT_EQ(
       refusal(test::layoutOf(model.tiles, {}), {.perEdge = 64, .through = 3}),
       "error: 4915200 elements would be made, at most 4000000 are allowed; use fewer per edge "

@@ -125,7 +125,7 @@ double areaOf(const fea::ElementMesh& mesh) {
 
 TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
-  const model::Model model = model::makeTessellation(test::squares(3, 3, 0));
+  const model::Model model = generate::makeTessellation(test::squares(3, 3, 0));
   const fea::ElementMesh shut = fea::makeNeckMesh(model, 0.02, necks({.width = 0.1}));
   EXPECT_EQ(piecesOf(shut), 1);
   EXPECT_NEAR(areaOf(shut), 9, 1e-9);  // nine squares of 1 m; measured: exactly that
@@ -156,7 +156,7 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
 }
 
 TEST(NeckMesh, ReportsWhichNecksFit) {
-  const model::Model shut = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model shut = generate::makeTessellation(test::squares(2, 2, 0));
   const auto refusal = [](const model::Model& model,
                           const writers::NeckShape& shape) -> std::string {
     try {
@@ -176,7 +176,7 @@ TEST(NeckMesh, ReportsWhichNecksFit) {
   EXPECT_THAT(refusal(shut, {.width = 2}), testing::HasSubstr("; a --neck-width of 0.99 m does"));
   EXPECT_EQ(refusal(shut, {.width = 0.99}), "accepted");
   // Squares that meet at their corners are narrow there: a neck needs its own width of length.
-  const model::Model open = model::makeTessellation(test::squares(2, 2, std::numbers::pi / 2));
+  const model::Model open = generate::makeTessellation(test::squares(2, 2, std::numbers::pi / 2));
   EXPECT_THAT(refusal(open, {.width = 0.1, .length = 0.05}),
               testing::HasSubstr("; a --neck-length of 0.101 m does"));
   EXPECT_EQ(refusal(open, {.width = 0.1, .length = 0.101}), "accepted");
@@ -187,7 +187,7 @@ TEST(NeckMesh, ReportsWhichNecksFit) {
 
 TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
-  const model::Model open = model::makeTessellation(test::squares(2, 2, 0.7));
+  const model::Model open = generate::makeTessellation(test::squares(2, 2, 0.7));
   EXPECT_EQ(piecesOf(fea::makeNeckMesh(open, 0.02, necks({.width = 0.1}))), 1);
   EXPECT_EQ(piecesOf(fea::makeNeckMesh(open, 0.02, necks({.width = 0.05, .length = 0.1}))), 1);
   const fea::ElementMesh solid =
@@ -195,7 +195,7 @@ TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
   EXPECT_EQ(piecesOf(solid), 1);
   expectCoherent(solid);
   // Elements at the ends of shut slits are small and upright.
-  const model::Model shut = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model shut = generate::makeTessellation(test::squares(2, 2, 0));
   for (const fea::ElementFamily family :
        {fea::ElementFamily::Solid, fea::ElementFamily::Plane}) {
     expectCoherent(fea::makeNeckMesh(shut, 0.02, necks({.width = 0.05}, family)));

@@ -16,9 +16,9 @@
 #include "render/fea/deck.h"
 #include "render/fea/element_mesh.h"
 #include "sim/base/files.h"
-#include "sim/model/lattice.h"
-#include "sim/model/neck_table.h"
-#include "sim/model/stiffness.h"
+#include "sim/brick/neck_table.h"
+#include "sim/brick/stiffness.h"
+#include "sim/generate/lattice.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
@@ -68,7 +68,7 @@ SheetStiffness sheetStiffness(const char* what, const model::Model& model,
 }
 
 TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
-  const model::Model model = model::makeTessellation(test::squares(4, 4, 0));
+  const model::Model model = generate::makeTessellation(test::squares(4, 4, 0));
   const test::TemporaryFolder folder;
   for (const double width : {0.05, 0.1, 0.2}) {
     const auto pattern = folder / "sheet.dxf";
@@ -85,7 +85,7 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
 }
 
 TEST_F(NeckSheet, ConvergesFromAbove) {
-  const model::Model model = model::makeTessellation(test::squares(4, 4, 0));
+  const model::Model model = generate::makeTessellation(test::squares(4, 4, 0));
   const auto force = [&](int perEdge) {
     return sheetStiffness("pull", model, plane({.width = 0.05}, perEdge)).stiffness;
   };
@@ -147,7 +147,7 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
         sheetStiffness(fmt::format("turn {} {} {}", width, length, width / 20)).stiffness;
     EXPECT_NEAR(own / other, 1, 0.005) << length;  // measured: 0.9985 to 0.9998
     // Between the table's rows and on them, with coarser elements. Measured: 1.0002 to 1.0013.
-    EXPECT_NEAR(own / model::neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
+    EXPECT_NEAR(own / brick::neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
   }
 }
 
@@ -166,7 +166,7 @@ bool isToUpdate() {
 
 /// Rewrites the rows of a table.
 void updateTable(const std::string& type, const std::string& lines) {
-  const std::string file = KIRIREEL_SOURCE_DIR "/sim/model/neck_table.h";
+  const std::string file = KIRIREEL_SOURCE_DIR "/sim/brick/neck_table.h";
   std::string text = test::bytesOf(file);
   const std::string begin = fmt::format("std::to_array<{}>({{\n", type), end = "});";
   const std::size_t first = text.find(begin) + begin.size();
@@ -174,9 +174,9 @@ void updateTable(const std::string& type, const std::string& lines) {
 }
 
 TEST_F(NeckSheet, TableIsThatOfDecks) {
-  std::vector<model::NeckRow> rows;
+  std::vector<brick::NeckRow> rows;
   std::string lines;
-  for (const model::NeckRow& row : model::kNeckTable) {
+  for (const brick::NeckRow& row : brick::kNeckTable) {
     rows.push_back({row.length, endsByDeck(row.length)});
     lines += fmt::format("    {{{}, {:.3f}}},\n", row.length, rows.back().ends);
     if (isToUpdate()) continue;
@@ -214,7 +214,7 @@ model::Tile rhombus(double angle) {
 /// The left tile, and the mirror image of the right one, joined at (1, 0).
 struct NeckPair {
   model::Model model;
-  std::array<model::NeckCorner, 2> corners;
+  std::array<brick::NeckCorner, 2> corners;
 };
 
 NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
@@ -228,9 +228,9 @@ NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
   // Gmsh's mesh depends on where a tile begins, and the table keeps its digits with this.
   std::ranges::rotate(pair.model.tiles[0].vertices, std::prev(pair.model.tiles[0].vertices.end()));
   pair.model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both}};
-  const std::vector<model::Brick> bricks =
-      model::makeBricks(pair.model.tiles, {.thickness = 0.002});
-  pair.corners = {model::neckCorner(bricks[0], 1), model::neckCorner(bricks[1], 0)};
+  const std::vector<brick::Brick> bricks =
+      brick::makeBricks(pair.model.tiles, {.thickness = 0.002});
+  pair.corners = {brick::neckCorner(bricks[0], 1), brick::neckCorner(bricks[1], 0)};
   return pair;
 }
 
@@ -255,7 +255,7 @@ std::vector<double> cornerByDeck(const model::Model& model, double width,
 
 TEST_F(NeckSheet, TableOfCornersIsThatOfDecks) {
   std::string lines;
-  for (const model::CornerNeckRow& row : model::kCornerNeckTable) {
+  for (const brick::CornerNeckRow& row : brick::kCornerNeckTable) {
     const NeckPair pair = pairOf(tableTile(row.angle), tableTile(row.angle));
     const std::vector<double> found = cornerByDeck(pair.model, row.width * pair.corners[0].side);
     ASSERT_EQ(found.size(), 4U) << row.angle << " " << row.width;
@@ -277,7 +277,7 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
                      const std::string& what) {
   const std::vector<double> found = cornerByDeck(pair.model, width);
   ASSERT_EQ(found.size(), 4U) << what;
-  const model::CornerNeck neck = model::cornerNeck(1, 1, width, pair.corners);
+  const brick::CornerNeck neck = brick::cornerNeck(1, 1, width, pair.corners);
   EXPECT_NEAR(width * width / neck.bending / found[0], 1, misses[0]) << what;
   EXPECT_NEAR(neck.axis / width / found[1], 1, misses[1]) << what;
   EXPECT_NEAR(1 / neck.stretch / found[2], 1, misses[2]) << what;
@@ -321,7 +321,7 @@ TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
   const NeckPair triangles = pairOf(tableTile(60), tableTile(60));
   const auto slender =
       deckStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
-  EXPECT_NEAR(slender.at(0), model::neckStiffness(1e9, 0.002, 0.02, 0.1, triangles.corners),
+  EXPECT_NEAR(slender.at(0), brick::neckStiffness(1e9, 0.002, 0.02, 0.1, triangles.corners),
               1e-3 * slender.at(0));
   // A square, a triangle below it and another square to its right.
   const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
@@ -371,9 +371,9 @@ TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
     const std::vector<double> found =
         neckByDeck(pair.model, {.width = width, .length = length * width});
     ASSERT_EQ(found.size(), 4U) << what;
-    const double bending = model::neckStiffness(1, 1, width, length * width, pair.corners);
+    const double bending = brick::neckStiffness(1, 1, width, length * width, pair.corners);
     EXPECT_NEAR(width * width / bending / found[0], 1, miss) << what << " " << length;
-    const double axis = model::neckAxis(width, length * width, pair.corners) / width;
+    const double axis = brick::neckAxis(width, length * width, pair.corners) / width;
     EXPECT_NEAR(std::abs(axis), found[1], 0.03) << what << " " << length;
   };
   // Measured with half as many elements: 0.9%, 0.6%, 1.0%, 1.5%, 0.5%, 0.4%, 2.0%; squares' ends
@@ -391,7 +391,7 @@ TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
 TEST_F(NeckSheet, CornersStiffenAsTheyOpen) {
   const double width = 0.1;
   const NeckPair pair = pairOf(tableTile(90), tableTile(90));
-  const model::CornerNeck neck = model::cornerNeck(1e9, 0.002, width, pair.corners);
+  const brick::CornerNeck neck = brick::cornerNeck(1e9, 0.002, width, pair.corners);
   const std::vector<double> found = cornerByDeck(pair.model, width, "-400");
   ASSERT_EQ(found.size(), 20U);
   for (std::size_t k = 0; k < found.size(); k += 2) {

@@ -13,9 +13,9 @@
 #include "render/fea/job.h"
 #include "render/fea/neck_solid.h"
 #include "render/fea/outside_program.h"
+#include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/generate/lattice.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
@@ -70,11 +70,11 @@ TEST_F(PeriodicNecks, EveryCellOfASheetIsTheSameSheet) {
   std::vector<CellResult> found;
   for (const auto& [columns, rows, degrees] : {std::tuple{2, 2, 0.0}, {2, 2, 30.0}, {4, 2, 0.0}}) {
     const model::Model model =
-        turned(model::makeTessellation(test::squares(columns, rows, 0)), degrees);
+        turned(generate::makeTessellation(test::squares(columns, rows, 0)), degrees);
     found.push_back(cellResult(fea::makePeriodicNeckMesh(model, 0.02, plane(0.1, 4))));
   }
   const CellResult fine = cellResult(fea::makePeriodicNeckMesh(
-      model::makeTessellation(test::squares(2, 2, 0)), 0.02, plane(0.1, 8)));
+      generate::makeTessellation(test::squares(2, 2, 0)), 0.02, plane(0.1, 8)));
   EXPECT_NEAR(fine.energy / 0.0666, 1, 0.005);  // measured: 1.0036; with 4 elements 1.0111
   EXPECT_NEAR(fine.widening, 0.960, 0.005);     // measured: 0.9599
   for (const CellResult& other : found) {
@@ -94,8 +94,8 @@ TEST_F(PeriodicNecks, CellsOfAnyWidthAndSizeAgree) {
       return generate::makeRotatingTriangles({.columns = columns, .rows = rows});
     };
     const std::array<std::array<CellResult, 2>, 2> sheets = {
-        {{cell(model::makeTessellation(test::squares(2, 2, 0))),
-          cell(model::makeTessellation(test::squares(4, 4, 0)))},
+        {{cell(generate::makeTessellation(test::squares(2, 2, 0))),
+          cell(generate::makeTessellation(test::squares(4, 4, 0)))},
          {cell(triangles(2, 2)), cell(triangles(3, 2))}}};
     for (const auto& [small, large] : sheets) {
       EXPECT_NEAR(large.energy / small.energy, 1, 0.005) << width;
@@ -106,7 +106,7 @@ TEST_F(PeriodicNecks, CellsOfAnyWidthAndSizeAgree) {
 
 // The corners of ideal hinges: no force, and as wide as long.
 TEST_F(PeriodicNecks, ClosedSquaresOnHingesOpenFreely) {
-  const model::Model model = turned(model::makeTessellation(test::squares(4, 4, 0)), 1);
+  const model::Model model = turned(generate::makeTessellation(test::squares(4, 4, 0)), 1);
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   for (const fea::JointStyle joints : {fea::JointStyle::Shared, fea::JointStyle::Equation}) {
     const CellResult found =
@@ -123,12 +123,12 @@ double openingOf(const fea::ElementMesh& mesh) {
 }
 
 TEST_F(PeriodicNecks, GripsPullAlikeOnEveryMesh) {
-  const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
+  const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   const double coarse = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 4)));
   const double fine = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 8)));
   EXPECT_NEAR(coarse / fine, 1, 0.01);  // measured: 0.9956
   // Odd squares that are turned a little are held by the same edges.
-  const model::Model odd = model::makeTessellation(test::squares(3, 3, 0));
+  const model::Model odd = generate::makeTessellation(test::squares(3, 3, 0));
   const double straight = openingOf(fea::makeNeckMesh(odd, 0.02, plane(0.1, 2)));
   const double aslant = openingOf(fea::makeNeckMesh(turned(odd, 1), 0.02, plane(0.1, 2)));
   EXPECT_NEAR(aslant / straight, 1, 0.01);  // measured with 4 elements: 0.9999
@@ -147,7 +147,7 @@ TEST_F(PeriodicNecks, JoinedTilesArePulledAsOne) {
 
 TEST_F(PeriodicNecks, ShellsOpenAsSolidsDo) {
   for (const model::Model& model :
-       {model::makeTessellation(test::squares(2, 3, 0)),
+       {generate::makeTessellation(test::squares(2, 3, 0)),
         generate::makeRotatingTriangles({.columns = 2, .rows = 1}),
         generate::makeHexagonsAndTriangles({.columns = 2, .rows = 2})}) {
     const auto opening = [&](fea::ElementFamily family) {
@@ -164,7 +164,7 @@ TEST_F(PeriodicNecks, ShellsOpenAsSolidsDo) {
 }
 
 TEST_F(PeriodicNecks, ShellsOfTurnedSheetsAreMeshed) {
-  const model::Model odd = turned(model::makeTessellation(test::squares(3, 3, 0)), 1);
+  const model::Model odd = turned(generate::makeTessellation(test::squares(3, 3, 0)), 1);
   fea::ElementRule rule = plane(0.1, 2);
   rule.family = fea::ElementFamily::Shell;
   const fea::ElementMesh mesh = fea::makeNeckMesh(odd, 0.02, rule);
@@ -192,7 +192,7 @@ TEST(NeckSolid, IsClosedAndHasTheVolumeOfItsOutline) {
   const writers::NeckShape open{.width = 0.05, .length = 0.2, .kerf = 0.01};
   const double area = 9 * 0.99 * 0.99 + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05);
   for (const double degrees : {0.0, 1.0}) {
-    const model::Model model = turned(model::makeTessellation(test::squares(3, 3, 0)), degrees);
+    const model::Model model = turned(generate::makeTessellation(test::squares(3, 3, 0)), degrees);
     for (const auto& [neck, expectedArea] : {std::pair{shut, 9.0}, {open, area}}) {
       double volume = 0;
       std::map<std::array<double, 6>, int> edges;
@@ -227,7 +227,7 @@ TEST(NeckSolid, SlitsAroundReflexCornersAreApart) {
   for (const char* name : {"crosses", "stars", "islamic", "trefoils"}) {
     std::vector<std::string> notes;
     const model::Model model =
-        model::readModel(std::string(KIRIREEL_SOURCE_DIR "/data/") + name, std::nullopt, notes);
+        formats::readModel(std::string(KIRIREEL_SOURCE_DIR "/data/") + name, std::nullopt, notes);
     std::map<std::array<double, 6>, int> edges;
     double volume = 0;
     for (const auto& facet : facetsOf(fea::neckSheetStl(model, {.width = 0.02}, 0.02, {}))) {
@@ -258,7 +258,7 @@ TEST(NeckSolid, SlitsAroundReflexCornersAreApart) {
 
 TEST(NeckSolid, IsOneSolidOfCadPrograms) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to write STEP files";
-  const model::Model model = model::makeTessellation(test::squares(3, 3, 0));
+  const model::Model model = generate::makeTessellation(test::squares(3, 3, 0));
   for (const writers::NeckShape& neck :
        {writers::NeckShape{.width = 0.1}, {.width = 0.05, .length = 0.2, .kerf = 0.01}}) {
     const std::string step = fea::neckSheetStep(model, neck, 0.02);
@@ -274,7 +274,7 @@ TEST(NeckSolid, IsOneSolidOfCadPrograms) {
 
 TEST(NeckSolid, GmshMeshesNameTheirSides) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
-  const model::Model model = turned(model::makeTessellation(test::squares(3, 3, 0)), 1);
+  const model::Model model = turned(generate::makeTessellation(test::squares(3, 3, 0)), 1);
   for (const fea::ElementFamily family : {fea::ElementFamily::Plane, fea::ElementFamily::Solid}) {
     fea::ElementRule rule = plane(0.1, 2);
     rule.family = family;

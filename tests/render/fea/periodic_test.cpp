@@ -39,7 +39,7 @@ TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
         SCOPED_TRACE(testing::Message()
                      << columns << " x " << rows << " " << opening << " " << degrees);
         const model::Model model =
-            turned(model::makeTessellation(test::squares(columns, rows, opening)), degrees);
+            turned(generate::makeTessellation(test::squares(columns, rows, opening)), degrees);
         const fea::SheetLattice lattice = latticeOf(model);
         std::map<std::pair<int, int>, int> uses;
         for (const model::Joint& joint : model.joints) {
@@ -69,11 +69,11 @@ TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
 }
 
 TEST(SheetLattice, NamesTheEdgeAtWhichASheetDoesNotRepeat) {
-  const std::string odd = refusalOf(model::makeTessellation(test::squares(3, 3, 0)));
+  const std::string odd = refusalOf(generate::makeTessellation(test::squares(3, 3, 0)));
   EXPECT_THAT(odd, HasSubstr("joints beyond edge 1 of tile 6 at XMAX are at other corners"));
   EXPECT_THAT(odd, HasSubstr("choose a state or a number of tiles in which the sheet repeats"));
-  EXPECT_THAT(refusalOf(model::makeTessellation(test::squares(4, 3, 0))), HasSubstr("at YMAX"));
-  model::Model skewed = model::makeTessellation(test::squares(4, 4, 0));
+  EXPECT_THAT(refusalOf(generate::makeTessellation(test::squares(4, 3, 0))), HasSubstr("at YMAX"));
+  model::Model skewed = generate::makeTessellation(test::squares(4, 4, 0));
   for (model::Tile& tile : skewed.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.y() *= 1 + 0.1 * vertex.x();
   }
@@ -95,7 +95,7 @@ TEST(SheetEnds, AreTheSameInAnyRotation) {
     std::vector<std::size_t> faces;
     for (const double degrees : {0.0, 1.0, -20.0, 44.0}) {
       const model::Model model =
-          turned(model::makeTessellation(test::squares(5, 3, opening)), degrees);
+          turned(generate::makeTessellation(test::squares(5, 3, opening)), degrees);
       const test::Layout layout = test::layoutOf(model.tiles, model.joints);
       const fea::ElementMesh mesh =
           fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 2});
@@ -122,7 +122,7 @@ TEST(SheetEnds, AreTheSameInAnyRotation) {
 
 TEST(SheetEnds, AreWhatAPersonWouldHold) {
   // Squares with diagonals along the axes: both edges at each outer corner, no edges inside.
-  const model::Model model = model::makeTessellation(test::squares(2, 1, 0));
+  const model::Model model = generate::makeTessellation(test::squares(2, 1, 0));
   std::vector<std::vector<Vector3>> diamonds;
   for (const double x : {0.0, 2.0}) {
     diamonds.push_back({{x - 1, 0, 0}, {x, -1, 0}, {x + 1, 0, 0}, {x, 1, 0}});

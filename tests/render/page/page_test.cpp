@@ -9,7 +9,7 @@
 #include "render/picture/style.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"
 

@@ -5,7 +5,7 @@
 
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/panels.h"
 #include "tests/render/picture/colours.h"
 #include "tests/support/pair_forces.h"
@@ -17,8 +17,8 @@ namespace {
 /// The page of pictures without a look.
 using test::kWhite;
 
-std::vector<model::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
-  return model::makeBricks(tiles, {});
+std::vector<brick::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
+  return brick::makeBricks(tiles, {});
 }
 
 model::Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
@@ -29,7 +29,7 @@ model::Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
 
 /// A tessellation whose target is 2 m above its start.
 picture::PictureContent tessellationContent() {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   model.target = model.tiles;
   for (model::Tile& tile : *model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 2;
@@ -91,7 +91,7 @@ TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
 // The springs' bricks are coloured by what a neck's ligament holds, too.
 TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   picture::PictureContent content = tessellationContent();
-  model::Ligament ligament{0, 1};
+  brick::Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
   ligament.start = content.start[1].position - content.start[0].position;
   ligament.stretchStiffness = 6;
@@ -120,7 +120,7 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
 TEST(BrickPalette, ShowsWhatPanelsHold) {
   picture::PictureContent content = tessellationContent();
   trajectory::LoadedPanels sheet;
-  for (const model::Brick& brick : content.bricks) {
+  for (const brick::Brick& brick : content.bricks) {
     sheet.tileNodes.emplace_back(brick.bottom.size(), 0);
   }
   sheet.tileNodes[2] = {0, 1, 2, 3};
@@ -234,7 +234,7 @@ TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
                                           polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
                                           polygon({{5, 5}, {6, 5}, {6, 8}})};
   content.bricks = bricksOf(tiles);
-  content.start = model::startPoses(tiles, content.bricks);
+  content.start = brick::startPoses(tiles, content.bricks);
   const auto textsOf = [](const picture::BrickPalette& palette) {
     std::vector<std::string> texts;
     for (const picture::LegendEntry& entry : palette.legend()) texts.push_back(entry.text);

@@ -13,15 +13,15 @@ using Corners = std::vector<Vector3>;
 
 /// The faces of a box between two corners: bottom, top, sides.
 std::vector<Corners> box(const Vector3& least, const Vector3& most) {
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = most.z() - least.z();
   const model::Tile tile{{least,
                           {most.x(), least.y(), least.z()},
                           {most.x(), most.y(), least.z()},
                           {least.x(), most.y(), least.z()}}};
-  const std::vector<model::Brick> bricks = model::makeBricks({tile}, rule);
-  const Poses poses = model::startPoses({tile}, bricks);
-  std::vector<Corners> faces = model::brickFaces(bricks[0]);
+  const std::vector<brick::Brick> bricks = brick::makeBricks({tile}, rule);
+  const Poses poses = brick::startPoses({tile}, bricks);
+  std::vector<Corners> faces = brick::brickFaces(bricks[0]);
   for (Corners& face : faces) {
     for (Vector3& corner : face) corner = poses[0].apply(corner);
   }
@@ -86,7 +86,7 @@ TEST(Occluders, DoNotKnowTheAxes) {
   const Pose moved{Vector3(3, -2, 1), rotationFromVector(Vector3(0.4, -1.1, 0.7))};
   std::vector<std::vector<Corners>> faces, turned;
   for (std::size_t k = 0; k < sample.bricks.size(); ++k) {
-    faces.push_back(model::brickFaces(sample.bricks[k]));
+    faces.push_back(brick::brickFaces(sample.bricks[k]));
     turned.push_back(faces.back());
     for (std::size_t i = 0; i < faces.back().size(); ++i) {
       for (std::size_t j = 0; j < faces.back()[i].size(); ++j) {

@@ -10,7 +10,7 @@
 #include "render/picture/gl_context.h"
 #include "sim/base/error.h"
 #include "tests/render/picture/sample_bricks.h"
-#include "tests/sim/model/polygons.h"
+#include "tests/support/polygons.h"
 #include "tests/support/program.h"
 
 namespace kirireel {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel {
 
@@ -15,15 +15,15 @@ inline model::Tile rectangleTile(double x, double y, double width, double depth)
 
 /// Bricks and their poses.
 struct SampleBricks {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses poses;
 };
 
 inline SampleBricks sampleBricks(const std::vector<model::Tile>& tiles, double thickness) {
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = thickness;
-  SampleBricks sample{model::makeBricks(tiles, rule), {}};
-  sample.poses = model::startPoses(tiles, sample.bricks);
+  SampleBricks sample{brick::makeBricks(tiles, rule), {}};
+  sample.poses = brick::startPoses(tiles, sample.bricks);
   return sample;
 }
 

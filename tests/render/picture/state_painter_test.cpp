@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/refusal.h"
 
 namespace kirireel {
@@ -17,7 +17,7 @@ namespace {
 
 picture::PictureContent tessellationContent(
     const std::optional<scene::Ground>& ground = std::nullopt) {
-  return picture::makeContent(model::makeTessellation({}), {}, ground);
+  return picture::makeContent(generate::makeTessellation({}), {}, ground);
 }
 
 TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
@@ -102,11 +102,11 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
   look.camera.orthographic = false;
   look.camera.view = picture::kTopView;
   look.camera.distance = 1e-3;
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = 1;
   const picture::PictureSetup setup(
       look,
-      picture::makeContent({"", {model::makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
+      picture::makeContent({"", {generate::makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
       {300, 300});
   EXPECT_EQ(test::refusalOf([&] {
               setup.camera({0.25, setup.content().start, {}});
@@ -259,7 +259,7 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
     const picture::FrameSize size{160, 120};
     picture::PictureContent content = tessellationContent();
     // The target is the start, displaced.
-    content.target = model::makeTessellation({}).tiles;
+    content.target = generate::makeTessellation({}).tiles;
     for (model::Tile& tile : *content.target) {
       for (Vector3& vertex : tile.vertices) vertex += Vector3(2.5, 0.5, 0.25);
       content.points.insert(content.points.end(), tile.vertices.begin(), tile.vertices.end());

@@ -7,8 +7,8 @@
 #include "render/picture/png.h"
 #include "sim/base/files.h"
 #include "tests/render/picture/sample_bricks.h"
-#include "tests/sim/model/polygons.h"
 #include "tests/support/files.h"
+#include "tests/support/polygons.h"
 #include "tests/support/program.h"
 
 namespace kirireel {

@@ -12,7 +12,7 @@
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
@@ -322,7 +322,7 @@ class CurvesInUnits : public ::testing::Test {
  protected:
   std::unique_ptr<record::NamedRun> recorded(const std::string& name, const LengthUnit& unit) {
     scene::Scene scene;
-    scene.model = model::makeTessellation({.columns = 2, .rows = 2});
+    scene.model = generate::makeTessellation({.columns = 2, .rows = 2});
     for (auto* tiles : {&scene.model.tiles, &*scene.model.target}) {
       for (model::Tile& tile : *tiles) {
         for (Vector3& vertex : tile.vertices) vertex *= unit.metres;
@@ -333,7 +333,7 @@ class CurvesInUnits : public ::testing::Test {
     for (int k = 0; k <= 2; ++k) {
       trajectory::Sample sample;
       sample.time = k;
-      sample.poses = model::startPoses(scene.model.tiles, trajectory.bricks);
+      sample.poses = brick::startPoses(scene.model.tiles, trajectory.bricks);
       sample.poses[0].position.x() -= unit.metres * k;
       sample.jointGap = 1e-17 * unit.metres;
       trajectory.samples.push_back(sample);

@@ -9,7 +9,7 @@
 
 #include "render/picture/png.h"
 #include "render/record/record.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -25,7 +25,7 @@ class FigurePageTest : public testing::Test {
   static void SetUpTestSuite() {
     for (const auto& [name, side] : {std::pair("small", 2), std::pair("large", 3)}) {
       scene::Scene scene;
-      scene.model = model::makeTessellation({.columns = side, .rows = side});
+      scene.model = generate::makeTessellation({.columns = side, .rows = side});
       scene.model.name = name;
       scene.stop.duration = 0.5;
       record::RecordSettings settings;

@@ -8,7 +8,7 @@
 #include "render/record/record.h"
 #include "render/record/run_pictures.h"
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -21,7 +21,7 @@ class FigureTest : public testing::Test {
   /// Records a sheet of squares; returns its trajectory.
   fs::path recorded(const std::string& name, int side, double duration = 0.5) {
     scene::Scene scene;
-    scene.model = model::makeTessellation({.columns = side, .rows = side});
+    scene.model = generate::makeTessellation({.columns = side, .rows = side});
     scene.model.name = name;
     scene.stop.duration = duration;
     record::RecordSettings settings;

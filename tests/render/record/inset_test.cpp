@@ -14,7 +14,7 @@
 #include "render/record/record.h"
 #include "render/record/run_pictures.h"
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -31,11 +31,11 @@ class InsetTest : public testing::Test {
   /// Two squares of side 1, the second of which moves along x: the width of the sheet is
   /// 2 + t at t seconds, up to 1 s.
   InsetTest() {
-    scene_.model = model::makeTessellation({.columns = 2, .rows = 1});
+    scene_.model = generate::makeTessellation({.columns = 2, .rows = 1});
     scene_.model.joints.clear();
     scene_.model.target.reset();
     trajectory::Trajectory trajectory{trajectory::subjectOf(scene_)};
-    const Poses start = model::startPoses(scene_.model.tiles, trajectory.bricks);
+    const Poses start = brick::startPoses(scene_.model.tiles, trajectory.bricks);
     for (int k = 0; k <= 10; ++k) {
       trajectory::Sample sample;
       sample.time = 0.1 * k;
@@ -275,7 +275,7 @@ TEST_F(InsetTest, VideosDoNotDependOnThreads) {
 /// A run whose curves are not known before keeps its pictures.
 TEST_F(InsetTest, ARecordingWithoutTheCurveHasAVideoWithoutInset) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({.columns = 2, .rows = 2});
+  scene.model = generate::makeTessellation({.columns = 2, .rows = 2});
   scene.model.target.reset();
   scene.stop.duration = 0.2;
   record::RecordSettings settings;

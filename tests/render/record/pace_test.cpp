@@ -7,7 +7,7 @@
 
 #include "render/record/run_pictures.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 #include "tests/support/files.h"
@@ -119,7 +119,7 @@ class DynamicRun : public testing::Test {
  protected:
   DynamicRun() {
     scene::Scene scene;
-    scene.model = model::makeTessellation({});
+    scene.model = generate::makeTessellation({});
     scene.path.kind = scene::PathKind::Straight;
     const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
     trajectory::writeTrajectory(result.trajectory, folder_ / "run.h5");
@@ -132,8 +132,8 @@ class DynamicRun : public testing::Test {
 TEST_F(DynamicRun, IsShownAtAnEvenPaceWithClosedJoints) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
   const std::vector<record::FrameMoment> moments = record::videoMoments(record::motionOf(run), {});
-  const std::vector<model::Pivot> pivots =
-      model::makePivots(run.subject().model.joints, run.subject().bricks);
+  const std::vector<brick::Pivot> pivots =
+      brick::makePivots(run.subject().model.joints, run.subject().bricks);
   record::Replay states(run);
   std::vector<double> moved;
   double gap = 0;

@@ -17,7 +17,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/program.h"
 #include "tests/support/refusal.h"
@@ -32,7 +32,7 @@ using ::testing::Not;
 
 scene::Scene tessellationScene() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.stop.duration = 0.4;
   return scene;
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "render/record/pace.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -15,7 +15,7 @@ class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {
     scene::Scene scene;
-    scene.model = model::makeTessellation({.columns = 1, .rows = 1});
+    scene.model = generate::makeTessellation({.columns = 1, .rows = 1});
     trajectory::Trajectory trajectory{trajectory::subjectOf(scene)};
     for (int k = 0; k <= 10; ++k) {
       trajectory::Sample sample;

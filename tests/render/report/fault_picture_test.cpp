@@ -16,12 +16,12 @@ bool isNear(const picture::Colour& a, const picture::Colour& b) {
 
 // A rectangle of 4 x 2 m with the fault at a quarter of its width and three quarters of its height.
 TEST(FaultPicture, HasADotAtTheFault) {
-  model::DrawnPath outline;
+  formats::DrawnPath outline;
   outline.points = {{0, 0}, {4, 0}, {4, 2}, {0, 2}};
   outline.isClosed = true;
-  model::DrawnPath slit;
+  formats::DrawnPath slit;
   slit.points = {{3, 0}, {3, 1}};
-  const model::DrawingFault fault(InputError("error"), {outline, slit}, {{1, 1.5}});
+  const formats::DrawingFault fault(InputError("error"), {outline, slit}, {{1, 1.5}});
   constexpr int kSize = 1200;  // lines are some pixels wide
   const picture::Frame frame = report::faultPicture(fault, {kSize, kSize});
   const picture::Style style;

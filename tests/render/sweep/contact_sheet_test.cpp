@@ -4,7 +4,7 @@
 #include "render/picture/state_painter.h"
 #include "render/sweep/collect.h"
 #include "sim/base/error.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -60,8 +60,8 @@ class ContactSheet : public testing::Test {
 
   picture::Frame studioPicture(double thickness) const {
     model::Model model;
-    model.tiles = model::readTileFile(file());
-    model::BrickRule rule;
+    model.tiles = formats::readTileFile(file());
+    brick::BrickRule rule;
     rule.thickness = thickness;
     const picture::PictureContent content = picture::makeContent(model, rule, std::nullopt);
     return picture::StatePainter({320, 240}, {}, content).paint({0, content.start, {}});

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/writers/mesh.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -14,16 +14,16 @@ using nlohmann::json;
 
 /// A square tessellation that turns as it moves up.
 struct Turning {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses start;
 
   explicit Turning(int side) {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = side;
     shape.rows = side;
-    const model::Model model = model::makeTessellation(shape);
-    bricks = model::makeBricks(model.tiles, model::BrickRule{});
-    start = model::startPoses(model.tiles, bricks);
+    const model::Model model = generate::makeTessellation(shape);
+    bricks = brick::makeBricks(model.tiles, brick::BrickRule{});
+    start = brick::startPoses(model.tiles, bricks);
   }
 
   writers::AnimationKey at(std::size_t k) const {

@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -150,7 +150,7 @@ std::vector<double> volumesOf(const Surface& surface) {
 }
 
 struct Layout {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses poses;
 };
 
@@ -162,14 +162,14 @@ void turnInSpace(Poses& poses) {
 
 /// A hinged 2 x 2 tessellation, half open and turned in space.
 Layout hingedSquares() {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 2;
   shape.startAngle = 0.7;
-  const model::Model model = model::makeTessellation(shape);
+  const model::Model model = generate::makeTessellation(shape);
   Layout layout;
-  layout.bricks = model::makeBricks(model.tiles, model::BrickRule{});
-  layout.poses = model::startPoses(model.tiles, layout.bricks);
+  layout.bricks = brick::makeBricks(model.tiles, brick::BrickRule{});
+  layout.poses = brick::startPoses(model.tiles, layout.bricks);
   turnInSpace(layout.poses);
   return layout;
 }
@@ -184,8 +184,8 @@ Layout polygons() {
     }
   }
   Layout layout;
-  layout.bricks = model::makeBricks(tiles, model::BrickRule{});
-  layout.poses = model::startPoses(tiles, layout.bricks);
+  layout.bricks = brick::makeBricks(tiles, brick::BrickRule{});
+  layout.poses = brick::startPoses(tiles, layout.bricks);
   return layout;
 }
 
@@ -246,11 +246,11 @@ std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder)
 void expectExactMeshes(const std::filesystem::path& folder, double volumeError) {
   SCOPED_TRACE(folder);
   std::vector<std::string> warnings;
-  const model::Model model = model::readModelFolder(folder, warnings);
+  const model::Model model = formats::readModelFolder(folder, warnings);
   for (const std::vector<model::Tile>& tiles : {model.tiles, model.target.value_or(model.tiles)}) {
     Layout layout;
-    layout.bricks = model::makeBricks(tiles, model::BrickRule{});
-    layout.poses = model::startPoses(tiles, layout.bricks);
+    layout.bricks = brick::makeBricks(tiles, brick::BrickRule{});
+    layout.poses = brick::startPoses(tiles, layout.bricks);
     turnInSpace(layout.poses);
     expectExactBricks(readObj(written(layout, "state.obj")), layout, volumeError);
     expectExactBricks(readPly(written(layout, "state.ply")), layout, volumeError);

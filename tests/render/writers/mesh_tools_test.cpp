@@ -48,7 +48,7 @@ TEST(MeshTools, GltfValidatorFindsNothingInTheAnimation) {
   if (test::outputOf(node + "console.log(1)\"").empty()) {
     GTEST_SKIP() << "install gltf-validator (npm install -g gltf-validator) to check animations";
   }
-  const model::Model model = model::makeTessellation(test::squares(10, 10, 0.5));
+  const model::Model model = generate::makeTessellation(test::squares(10, 10, 0.5));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   const test::TemporaryFolder folder;
   const std::string bytes = writers::animationBytes(layout.bricks, 121, [&layout](std::size_t k) {

@@ -7,8 +7,8 @@
 
 #include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
+#include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
-#include "sim/model/read_model.h"
 #include "tests/render/writers/same_sheet.h"
 #include "tests/support/files.h"
 
@@ -53,7 +53,7 @@ TEST_P(PatternOf, ReadsBackToTheSameModel) {
         std::vector<std::string> warnings;
         try {
           test::expectSameSheet(
-              model::readModel(folder.path() / name, std::nullopt, warnings), drawn,
+              formats::readModel(folder.path() / name, std::nullopt, warnings), drawn,
               fmt::format("{} {} {} from {} degrees", GetParam(), name, share, start));
         } catch (const InputError& error) {
           ADD_FAILURE() << GetParam() << ' ' << share << ' ' << start << ": " << error.what();
@@ -78,7 +78,7 @@ std::string refusalOf(const std::string& name, const std::string& text) {
   folder.write(name, text);
   std::vector<std::string> warnings;
   try {
-    model::readModel(folder.path() / name, std::nullopt, warnings);
+    formats::readModel(folder.path() / name, std::nullopt, warnings);
     return "";
   } catch (const InputError& error) {
     return std::string(error.what()).substr(folder.path().string().size());
@@ -110,7 +110,7 @@ TEST(Patterns, TellOfHolesInTiles) {
   const TemporaryFolder folder;
   folder.write("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(300, 600) + "</g>");
   std::vector<std::string> warnings;
-  EXPECT_EQ(model::readModel(folder.path() / "a.svg", std::nullopt, warnings).tiles.size(), 1U);
+  EXPECT_EQ(formats::readModel(folder.path() / "a.svg", std::nullopt, warnings).tiles.size(), 1U);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(warnings[0].ends_with("; left out: 1 x hole in a tile")) << warnings[0];
   // Next to each other they are two tiles.
@@ -153,7 +153,8 @@ TEST(Patterns, ComeBackAfterAnEditor) {
       folder.write("a.svg", resaved(lines, digits, size));
       std::vector<std::string> warnings;
       try {
-        const model::Model read = model::readModel(folder.path() / "a.svg", std::nullopt, warnings);
+        const model::Model read =
+            formats::readModel(folder.path() / "a.svg", std::nullopt, warnings);
         EXPECT_EQ(read.tiles.size(), drawn.tiles.size()) << name << digits;
         EXPECT_EQ(read.joints.size(), drawn.joints.size()) << name << digits;
         EXPECT_NEAR(model::modelSize(read), size, 1e-6 * size + 3e-3 * std::pow(10.0, -digits));

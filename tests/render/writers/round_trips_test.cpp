@@ -12,8 +12,8 @@
 
 #include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
+#include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
-#include "sim/model/read_model.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/trajectory/sheet.h"
 #include "tests/render/writers/same_sheet.h"
@@ -30,7 +30,7 @@ int freedomsOf(const model::Model& model, trajectory::Freedom freedom) {
 
 model::Model readBack(const fs::path& file) {
   std::vector<std::string> warnings;
-  return model::readModel(file, std::nullopt, warnings);
+  return formats::readModel(file, std::nullopt, warnings);
 }
 
 void expectSameBits(const model::Model& read, const model::Model& written,
@@ -80,7 +80,7 @@ void expectSpatialFormatsKeep(const model::Model& model, const std::string& name
   const bool isSmall = model.tiles.size() <= 50;
   const int freedoms = isSmall ? freedomsOf(model, trajectory::Freedom::Space) : 0;
   for (const char* file : {"a.fold", "a_contracted.obj", "a"}) {
-    model::writeModel(model, folder / file);
+    formats::writeModel(model, folder / file);
     const model::Model read = readBack(folder / file);
     expectSameBits(read, model, name + file);
     if (!isSmall) continue;
@@ -91,7 +91,7 @@ void expectSpatialFormatsKeep(const model::Model& model, const std::string& name
 /// Through planar files. The start is flat and horizontal.
 void expectPlanarFilesKeep(const model::Model& model, const std::string& name) {
   const test::TemporaryFolder folder;
-  model::writeModel(model, folder / "a_vertices.txt");
+  formats::writeModel(model, folder / "a_vertices.txt");
   const model::Model read = readBack(folder / "a_vertices.txt");
   expectSameDistances(read, model, name + "planar");
   EXPECT_EQ(freedomsOf(read, trajectory::Freedom::Plane),

@@ -8,7 +8,7 @@
 
 #include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/refusal.h"
 
 namespace kirireel {
@@ -18,8 +18,8 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-model::TessellationShape shapeOf(int columns, int rows, double angle) {
-  model::TessellationShape shape;
+generate::TessellationShape shapeOf(int columns, int rows, double angle) {
+  generate::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
@@ -52,7 +52,7 @@ std::vector<model::Tile> readAsPyKirigamiDoes(const std::string& text) {
 
 /// In the plane of a sheet the sheet faces up, for any initial side. Rotated back it is unchanged.
 TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
-  const model::Model flat = model::makeTessellation(shapeOf(3, 2, 0.4));
+  const model::Model flat = generate::makeTessellation(shapeOf(3, 2, 0.4));
   for (const Vector3& turn :
        {Vector3(0, 0, 0), Vector3(0.3, -1, 0.2), Vector3(std::numbers::pi, 0, 0),
         Vector3(0, std::numbers::pi, 0), Vector3(0, std::numbers::pi - 1e-9, 0)}) {
@@ -75,7 +75,7 @@ TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
 }
 
 TEST(PlanarObj, IsReadBackToTheSameTarget) {
-  const std::vector<model::Tile> tiles = model::tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
+  const std::vector<model::Tile> tiles = generate::tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
   const std::string text = writers::planarObjText(tiles);
   EXPECT_THAT(text, StartsWith("# 24 vertices 6 faces\nv "));
   EXPECT_THAT(text, testing::EndsWith("\n\nf 1 2 3 4\nf 5 6 7 8\nf 9 10 11 12\nf 13 14 15 16\n"
@@ -95,7 +95,7 @@ TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
   // 2 x 2 closed unit squares: an outline of 8, four inner edges, four joints on them.
   const double width = 0.05;
   const std::vector<writers::PatternLine> lines =
-      writers::cutPattern(model::makeTessellation(shapeOf(2, 2, 0)), width);
+      writers::cutPattern(generate::makeTessellation(shapeOf(2, 2, 0)), width);
   std::map<writers::PatternLayer, double> sums = lengths(lines);
   EXPECT_NEAR(sums[writers::PatternLayer::Cuts], 8, 1e-12);
   EXPECT_NEAR(sums[writers::PatternLayer::Slits], 4 - 4 * width, 1e-12);
@@ -103,7 +103,7 @@ TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
 }
 
 TEST(CutPattern, KeepsTheNecksOfTheModel) {
-  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = generate::makeTessellation(shapeOf(2, 2, 0));
   double sum = 0;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     model.joints[j].neck.width = 0.02 + 0.01 * static_cast<double>(j);
@@ -121,7 +121,7 @@ TEST(CutPattern, KeepsTheNecksOfTheModel) {
 }
 
 TEST(NeckOutlines, HaveTheNecksOfTheModel) {
-  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = generate::makeTessellation(shapeOf(2, 2, 0));
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     model.joints[j].neck = {0.02 + 0.01 * static_cast<double>(j), 0.01, 0.01};
   }
@@ -162,7 +162,7 @@ TEST(CutPattern, ClosesOpenGapsWithALine) {
   // Opened by theta, each joint's gap ends where its chord is the width away from the joint.
   const double theta = 0.4;
   const double width = 0.05;
-  const model::Model model = model::makeTessellation(shapeOf(2, 1, theta));
+  const model::Model model = generate::makeTessellation(shapeOf(2, 1, theta));
   std::map<writers::PatternLayer, double> sums = lengths(writers::cutPattern(model, width));
   EXPECT_EQ(sums.count(writers::PatternLayer::Slits), 0U);
   EXPECT_NEAR(sums[writers::PatternLayer::Hinges], width, 1e-12);
@@ -175,7 +175,7 @@ std::string refusal(const model::Model& model, double width) {
 }
 
 TEST(CutPattern, ReportsWhatHasNone) {
-  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = generate::makeTessellation(shapeOf(2, 2, 0));
   EXPECT_EQ(refusal(model, 0),
             "error: hinges cannot be 0 m wide; give a positive --hinge-width, "
             "or the sheet falls apart");
@@ -198,7 +198,7 @@ TEST(CutPattern, ReportsWhatHasNone) {
 }
 
 TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
-  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = generate::makeTessellation(shapeOf(2, 2, 0));
   model.fileOrder.countsFrom = 1;
   EXPECT_EQ(refusal(model, 1.5),
             "error: hinges 1.5 m wide leave nothing to cut of edge 2 of tile 1, 1 m long; choose a "

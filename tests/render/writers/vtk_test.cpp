@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/files.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -33,8 +33,8 @@ struct State {
     }
     subject.model.joints = {{{0, 0}, {1, 2}}};
     subject.model.target = subject.model.tiles;
-    subject.bricks = model::makeBricks(subject.model.tiles, model::BrickRule{});
-    start = model::startPoses(subject.model.tiles, subject.bricks);
+    subject.bricks = brick::makeBricks(subject.model.tiles, brick::BrickRule{});
+    start = brick::startPoses(subject.model.tiles, subject.bricks);
     sample.time = 0.25;
     sample.jointGap = 1e-12;
     sample.poses = start;
@@ -138,7 +138,7 @@ TEST(Vtu, IsReadByVtk) {
   read >> cells >> points;
   EXPECT_EQ(cells, 3);
   EXPECT_EQ(points, 24);
-  for (const model::Brick& brick : state.subject.bricks) {
+  for (const brick::Brick& brick : state.subject.bricks) {
     double volume = 0;
     read >> volume;
     EXPECT_NEAR(volume / brick.volume, 1, 1e-12);

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "tests/sim/contacts/prisms.h"
 
@@ -25,7 +25,7 @@ scene::Environment around(scene::ContactFilter filter) {
 
 /// What one move runs into.
 struct Found {
-  std::vector<model::Contact> contacts;
+  std::vector<brick::Contact> contacts;
   double overlap = 0;
 };
 
@@ -36,7 +36,7 @@ Found findContacts(contacts::ContactFinder& finder, const Poses& start, const Po
   return found;
 }
 
-Found findContacts(const std::vector<model::Brick>& bricks, const Poses& start, const Poses& end,
+Found findContacts(const std::vector<brick::Brick>& bricks, const Poses& start, const Poses& end,
                    bool planar = false) {
   contacts::ContactFinder finder(bricks, start, {}, around(scene::ContactFilter::All), planar,
                                  kTolerance);
@@ -49,7 +49,7 @@ Pose at(double x, double y, double z) {
 
 TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
   // Bricks that come near each other in only one of two finders.
-  const std::vector<model::Brick> bricks(2, test::plate(1e-3));
+  const std::vector<brick::Brick> bricks(2, test::plate(1e-3));
   const Poses far = {at(0, 0, 0), at(50, 0, 0)};
   const scene::Environment environment = around(scene::ContactFilter::All);
   contacts::ContactFinder near(bricks, far, {}, environment, false, kTolerance);
@@ -64,7 +64,7 @@ TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
 TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
   // Flat through flat, and side through side, for any rotation in the world.
   Chance chance(1);
-  const std::vector<model::Brick> bricks(2, test::plate(1e-3));
+  const std::vector<brick::Brick> bricks(2, test::plate(1e-3));
   const Pose besides = at(1.01, 0.2, 0), above = at(0.3, 0.2, 0.01);
   for (int trial = 0; trial < 50; ++trial) {
     const Pose world = chance.pose(3);
@@ -79,9 +79,9 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
       EXPECT_GT(found.overlap, 0.03);
       // Every contact still held at the start; one at least is violated at the end.
       double least = 0;
-      for (const model::Contact& contact : found.contacts) {
-        EXPECT_GT(model::contactGap(contact, start), 0);
-        least = std::min(least, model::contactGap(contact, end));
+      for (const brick::Contact& contact : found.contacts) {
+        EXPECT_GT(brick::contactGap(contact, start), 0);
+        least = std::min(least, brick::contactGap(contact, end));
       }
       EXPECT_LT(least, -0.03);
     }
@@ -93,7 +93,7 @@ TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
   Chance chance(2);
   int met = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const std::vector<model::Brick> bricks = {test::prism(3 + chance.below(3), 0.5, 1e-3),
+    const std::vector<brick::Brick> bricks = {test::prism(3 + chance.below(3), 0.5, 1e-3),
                                               test::prism(3 + chance.below(3), 0.5, 1e-3)};
     const Poses start = {chance.pose(0.5), chance.pose(0.5)};
     if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
@@ -134,7 +134,7 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
   Chance chance(20);
   int crossings = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const std::vector<model::Brick> bricks = {test::prism(3 + chance.below(4), 0.5, 0.1),
+    const std::vector<brick::Brick> bricks = {test::prism(3 + chance.below(4), 0.5, 0.1),
                                               test::prism(3 + chance.below(4), 0.4, 0.1)};
     const Pose world = chance.pose(3);
     const Vector3 place(0.5 * chance.next(), 0.5 * chance.next(), 0.1001);
@@ -151,12 +151,12 @@ TEST(ContactFinder, GivesTheCornersOfThePolygonInWhichFacesOverlap) {
       continue;
     }
     ASSERT_EQ(found.contacts.size(), expected.size());
-    for (const model::Contact& contact : found.contacts) {
+    for (const brick::Contact& contact : found.contacts) {
       EXPECT_TRUE(contact.isRegion);
       crossings += contact.isEdge ? 1 : 0;
-      EXPECT_NEAR(model::contactGap(contact, start), 1e-4, 1e-12);
+      EXPECT_NEAR(brick::contactGap(contact, start), 1e-4, 1e-12);
       const Vector3 point =
-          world.rotation.conjugate() * (model::contactPoints(contact, start).onA - world.position);
+          world.rotation.conjugate() * (brick::contactPoints(contact, start).onA - world.position);
       double nearest = 1;
       for (const Vector3& corner : expected) {
         nearest = std::min(nearest, (corner - point).head<2>().norm());
@@ -171,7 +171,7 @@ TEST(ContactFinder, GivesNoContactsForSeparateBricks) {
   Chance chance(3);
   int near = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const std::vector<model::Brick> bricks(2, test::plate(0.1));
+    const std::vector<brick::Brick> bricks(2, test::plate(0.1));
     const Poses start = {chance.pose(0.7), chance.pose(0.7)};
     if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
     // Moved by less than they are apart along some plane: the same plane still parts them.
@@ -191,15 +191,15 @@ struct JoinedPair {
     shape.columns = 2;
     shape.rows = 1;
     shape.face = face;
-    const model::Model model = model::makeTessellation(shape);
-    bricks = model::makeBricks(model.tiles, {});
-    pivots = model::makePivots(model.joints, bricks);
+    const model::Model model = generate::makeTessellation(shape);
+    bricks = brick::makeBricks(model.tiles, {});
+    pivots = brick::makePivots(model.joints, bricks);
   }
 
   /// The poses at an opening angle: every brick turned as its tile is.
   Poses opened(double angle) const {
-    const std::vector<model::Tile> closed = model::tessellationTiles(shape, 0);
-    const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
+    const std::vector<model::Tile> closed = generate::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, angle);
     Poses poses(2);
     for (int i = 0; i < 2; ++i) {
       const Vector3 before = closed[i].vertices[1] - closed[i].vertices[0];
@@ -216,9 +216,9 @@ struct JoinedPair {
     return findContacts(finder, opened(from), opened(to));
   }
 
-  model::TessellationShape shape;
-  std::vector<model::Brick> bricks;
-  std::vector<model::Pivot> pivots;
+  generate::TessellationShape shape;
+  std::vector<brick::Brick> bricks;
+  std::vector<brick::Pivot> pivots;
 };
 
 TEST(ContactFinder, LetsJoinedBricksTurnAwayFreely) {
@@ -242,8 +242,8 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
       const Found found = pair.turn(from, -0.01, planar);
       EXPECT_FALSE(found.contacts.empty()) << from;
       EXPECT_NEAR(found.overlap, std::sin(0.01), 1e-3);  // a unit side turned through the other
-      for (const model::Contact& contact : found.contacts) {
-        EXPECT_GT(model::contactGap(contact, pair.opened(from)), -1e-12);
+      for (const brick::Contact& contact : found.contacts) {
+        EXPECT_GT(brick::contactGap(contact, pair.opened(from)), -1e-12);
       }
     }
   }
@@ -251,7 +251,7 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
 
 TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
   // Hinged along a side, the second plate folds over the first and may lie on it, not in it.
-  const std::vector<model::Brick> bricks(2, test::plate(0.02));
+  const std::vector<brick::Brick> bricks(2, test::plate(0.02));
   const Vector3 hinge(0.5, 0, 0.01);
   const auto folded = [&](double angle) {
     const Quaternion turn = rotationFromVector({0, -angle, 0});
@@ -310,7 +310,7 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
 TEST(ContactFinder, HandsNoPairOverThroughItself) {
   // Thin plates that overlap by more than their thickness where the run begins: every plane counts
   // them as apart, but none may hand over to the one on the other side.
-  const std::vector<model::Brick> bricks(2, test::plate(0.01));
+  const std::vector<brick::Brick> bricks(2, test::plate(0.01));
   const Quaternion upright = rotationFromVector({0, 0.5 * std::numbers::pi, 0});
   const auto crossed = [&](double height) { return Poses{{}, {Vector3(0.2, 0, height), upright}}; };
   contacts::ContactFinder finder(bricks, crossed(0.45), {}, around(scene::ContactFilter::All),
@@ -323,7 +323,7 @@ TEST(ContactFinder, HandsNoPairOverThroughItself) {
 TEST(ContactFinder, FiltersPairs) {
   const JoinedPair pair;
   for (const bool joined : {true, false}) {
-    const std::vector<model::Pivot> pivots = joined ? pair.pivots : std::vector<model::Pivot>{};
+    const std::vector<brick::Pivot> pivots = joined ? pair.pivots : std::vector<brick::Pivot>{};
     for (const scene::ContactFilter filter :
          {scene::ContactFilter::None, scene::ContactFilter::Unjoined, scene::ContactFilter::All}) {
       contacts::ContactFinder finder(pair.bricks, pair.opened(0), pivots, around(filter), false,
@@ -338,7 +338,7 @@ TEST(ContactFinder, FiltersPairs) {
 }
 
 TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
-  const std::vector<model::Brick> bricks(2, test::plate(0.5));
+  const std::vector<brick::Brick> bricks(2, test::plate(0.5));
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
   contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
                                  false, kTolerance);
@@ -349,14 +349,14 @@ TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
   const Found deeper = findContacts(finder, start, overlapping(0.11));
   ASSERT_FALSE(deeper.contacts.empty());
   EXPECT_NEAR(deeper.overlap, 0.01, 1e-12);  // measured 9e-18
-  for (const model::Contact& contact : deeper.contacts) {
+  for (const brick::Contact& contact : deeper.contacts) {
     EXPECT_NEAR(contact.slack, 0.1, 1e-12);  // measured 3e-17
-    EXPECT_GT(model::contactGap(contact, start), -1e-12);
+    EXPECT_GT(brick::contactGap(contact, start), -1e-12);
   }
 }
 
 TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
-  const std::vector<model::Brick> bricks(2, test::plate(0.5));
+  const std::vector<brick::Brick> bricks(2, test::plate(0.5));
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
   contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
                                  false, kTolerance);
@@ -366,14 +366,14 @@ TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
 }
 
 TEST(ContactFinder, GivesAPlaneOnceInAStep) {
-  const std::vector<model::Brick> bricks(2, test::plate(0.5));
+  const std::vector<brick::Brick> bricks(2, test::plate(0.5));
   const Poses start = {{}, at(1.01, 0.3, 0)}, end = {{}, at(0.9, 0.3, 0)};
   contacts::ContactFinder finder(bricks, start, {}, around(scene::ContactFilter::All), true,
                                  kTolerance);
   finder.startStep(start);
-  std::vector<model::Contact> contacts;
+  std::vector<brick::Contact> contacts;
   for (int round = 0; round < 20; ++round) finder.appendViolated(end, contacts);
-  const auto same = [](const model::Contact& x, const model::Contact& y) {
+  const auto same = [](const brick::Contact& x, const brick::Contact& y) {
     return x.brickA == y.brickA && x.pointA == y.pointA && x.pointB == y.pointB &&
            x.normal == y.normal;
   };
@@ -388,7 +388,7 @@ TEST(ContactFinder, GivesAPlaneOnceInAStep) {
 /// Four tiles in a heap that all run into each other, in the order given.
 Found heap(const std::vector<int>& order, int warmUps) {
   Chance chance(6);
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses start, end;
   for (int i = 0; i < 4; ++i) {
     bricks.push_back(test::prism(3 + i, 0.5 + 0.1 * i, 0.1));
@@ -417,7 +417,7 @@ Found heap(const std::vector<int>& order, int warmUps) {
 /// numbers, and the point in A.
 std::vector<std::vector<double>> signatures(const Found& found, const std::vector<int>& order) {
   std::vector<std::vector<double>> rows;
-  for (const model::Contact& contact : found.contacts) {
+  for (const brick::Contact& contact : found.contacts) {
     const Vector3& a = contact.pointA;
     const Vector3& b = contact.pointB;
     std::vector<double> row = {static_cast<double>(order[contact.brickA]),
@@ -461,12 +461,12 @@ TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
 }
 
 /// A plate whose bottom is at a height.
-Poses plateAt(const model::Brick& brick, double height) {
+Poses plateAt(const brick::Brick& brick, double height) {
   return {at(0, 0, height + 0.5 * brick.thickness)};
 }
 
 TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
-  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  const std::vector<brick::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{-1, 0.7};
   const Poses start = plateAt(bricks[0], -0.99);
@@ -475,16 +475,16 @@ TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
   const Found found = findContacts(finder, start, plateAt(bricks[0], -1.05));
   EXPECT_NEAR(found.overlap, 0.05, 1e-15);  // measured 4e-17
   ASSERT_EQ(found.contacts.size(), 8u);
-  for (const model::Contact& contact : found.contacts) {
-    EXPECT_EQ(contact.brickB, model::kFixed);
+  for (const brick::Contact& contact : found.contacts) {
+    EXPECT_EQ(contact.brickB, brick::kFixed);
     EXPECT_EQ(contact.friction, 0.7);
     const double height = start[0].apply(contact.pointA).z() + 1;
-    EXPECT_NEAR(model::contactGap(contact, start), height, 1e-15);
+    EXPECT_NEAR(brick::contactGap(contact, start), height, 1e-15);
   }
 }
 
 TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
-  const std::vector<model::Brick> bricks = {test::plate(1e-3)};
+  const std::vector<brick::Brick> bricks = {test::plate(1e-3)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
   const Poses start = plateAt(bricks[0], 0.01);
@@ -493,13 +493,13 @@ TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
 }
 
 TEST(ContactFinder, GivesTheGroundOnceInAStep) {
-  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  const std::vector<brick::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
   const Poses start = plateAt(bricks[0], 0.01);
   contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   finder.startStep(start);
-  std::vector<model::Contact> contacts;
+  std::vector<brick::Contact> contacts;
   for (int round = 0; round < 3; ++round) {
     EXPECT_GT(finder.appendViolated(plateAt(bricks[0], -0.05), contacts), 0.04);
     EXPECT_EQ(contacts.size(), 8u);
@@ -507,7 +507,7 @@ TEST(ContactFinder, GivesTheGroundOnceInAStep) {
 }
 
 TEST(ContactFinder, APlanarSceneHasNoGroundToFallThrough) {
-  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  const std::vector<brick::Brick> bricks = {test::plate(0.2)};
   scene::Environment environment;
   environment.ground = scene::Ground{};
   const Poses start = plateAt(bricks[0], 0);

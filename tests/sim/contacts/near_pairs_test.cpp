@@ -29,8 +29,8 @@ TEST(MotionBound, IsReachedByNoPoint) {
   EXPECT_GT(closest, 0.9);  // the bound is no looser than it must be; measured 0.99
 }
 
-std::vector<model::Brick> prisms(int count) {
-  std::vector<model::Brick> bricks;
+std::vector<brick::Brick> prisms(int count) {
+  std::vector<brick::Brick> bricks;
   for (int i = 0; i < count; ++i) bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
   return bricks;
 }
@@ -44,7 +44,7 @@ Poses scattered(Chance& chance, int count, double spread) {
 // A state that was recorded before the first update has no boxes, and none of a later one are kept.
 TEST(NearPairs, PlayAStateFromBeforeTheFirstUpdate) {
   Chance chance(3);
-  const std::vector<model::Brick> bricks = prisms(10);
+  const std::vector<brick::Brick> bricks = prisms(10);
   const Poses poses = scattered(chance, 10, 0.1);
   contacts::NearPairs unused(bricks), used(bricks);
   StateTape tape;
@@ -61,7 +61,7 @@ TEST(NearPairs, PlayAStateFromBeforeTheFirstUpdate) {
 TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
   // Second method: all boxes against all.
   Chance chance(2);
-  const std::vector<model::Brick> bricks = prisms(40);
+  const std::vector<brick::Brick> bricks = prisms(40);
   Poses start = scattered(chance, 40, 2);
   contacts::NearPairs near(bricks);
   int found = 0, reused = 0;
@@ -91,7 +91,7 @@ TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
 
 TEST(NearPairs, DependOnlyOnTheLastBoxes) {
   Chance chance(3);
-  const std::vector<model::Brick> bricks = prisms(40);
+  const std::vector<brick::Brick> bricks = prisms(40);
   Poses poses = scattered(chance, 40, 1);
   contacts::NearPairs whole(bricks);
   std::unique_ptr<contacts::NearPairs> resumed;

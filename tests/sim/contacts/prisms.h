@@ -4,27 +4,27 @@
 #include <numbers>
 #include <random>
 
-#include "sim/model/brick.h"
+#include "sim/brick/brick.h"
 
 namespace kirireel::test {
 
 /// A prism over a regular polygon.
-inline model::Brick prism(int corners, double radius, double thickness) {
-  model::BrickRule rule;
+inline brick::Brick prism(int corners, double radius, double thickness) {
+  brick::BrickRule rule;
   rule.thickness = thickness;
   model::Tile tile;
   for (int k = 0; k < corners; ++k) {
     const double angle = 2 * std::numbers::pi * k / corners;
     tile.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  return model::makeBrick(tile, rule);
+  return brick::makeBrick(tile, rule);
 }
 
 /// A square plate of side 1 about its centre, its sides along the axes.
-inline model::Brick plate(double thickness) {
-  model::BrickRule rule;
+inline brick::Brick plate(double thickness) {
+  brick::BrickRule rule;
   rule.thickness = thickness;
-  return model::makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, rule);
+  return brick::makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, rule);
 }
 
 /// Random numbers, the same on every machine.

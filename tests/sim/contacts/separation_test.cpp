@@ -19,7 +19,7 @@ using test::Chance;
 
 /// Two prisms at their poses.
 struct Pair {
-  Pair(const model::Brick& brickA, const Pose& poseA, const model::Brick& brickB, const Pose& poseB,
+  Pair(const brick::Brick& brickA, const Pose& poseA, const brick::Brick& brickB, const Pose& poseB,
        bool planar)
       : bricks{brickA, brickB},
         poses{poseA, poseB},
@@ -47,20 +47,20 @@ struct Pair {
     return largest;
   }
 
-  std::vector<model::Contact> contacts(const contacts::SeparatingPlane& plane) const {
-    std::vector<model::Contact> found;
+  std::vector<brick::Contact> contacts(const contacts::SeparatingPlane& plane) const {
+    std::vector<brick::Contact> found;
     contacts::appendPlaneContacts(plane, 0, 1, a, b, found);
     return found;
   }
 
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses poses;
   contacts::Outline outlineA, outlineB;
   contacts::PlacedOutline a, b;
 };
 
 /// Planar pairs get tall prisms, whose shortest separation is never vertical.
-model::Brick anyPrism(Chance& chance, bool planar) {
+brick::Brick anyPrism(Chance& chance, bool planar) {
   const int corners = 3 + chance.below(4);
   const double thickness = chance.next() > 0 ? 0.02 : 0.5;
   return test::prism(corners, 0.8 + 0.2 * chance.next(), planar ? 50 : thickness);
@@ -68,7 +68,7 @@ model::Brick anyPrism(Chance& chance, bool planar) {
 
 std::unique_ptr<Pair> anyPair(Chance& chance, bool planar, double distance) {
   const auto pose = [&] { return planar ? chance.planarPose(distance) : chance.pose(distance); };
-  const model::Brick a = anyPrism(chance, planar), b = anyPrism(chance, planar);
+  const brick::Brick a = anyPrism(chance, planar), b = anyPrism(chance, planar);
   const Pose poseA = pose(), poseB = pose();
   return std::make_unique<Pair>(a, poseA, b, poseB, planar);
 }
@@ -101,7 +101,7 @@ TEST(Outline, HoldsAPrism) {
 
 TEST(Outline, HasTheDirectionsOfAllEdgesOnce) {
   for (int corners = 3; corners < 8; ++corners) {
-    const model::Brick brick = test::prism(corners, 1, 0.3);
+    const brick::Brick brick = test::prism(corners, 1, 0.3);
     const contacts::Outline outline = contacts::makeOutline(brick, false);
     const int across = corners % 2 == 0 ? corners / 2 : corners;  // opposite sides are parallel
     EXPECT_EQ(outline.directions.size(), across + 1u);
@@ -119,7 +119,7 @@ TEST(Outline, HasTheDirectionsOfAllEdgesOnce) {
 }
 
 TEST(Outline, OfAPlanarSceneIsThePolygon) {
-  const model::Brick brick = test::prism(5, 1, 0.3);
+  const brick::Brick brick = test::prism(5, 1, 0.3);
   const contacts::Outline outline = contacts::makeOutline(brick, true);
   EXPECT_EQ(outline.points, brick.bottom);
   EXPECT_TRUE(outline.directions.empty());
@@ -133,7 +133,7 @@ TEST(Outline, OfAPlanarSceneIsThePolygon) {
 
 TEST(Outline, IsPlacedLikeItsBrick) {
   Chance chance(1);
-  const model::Brick brick = test::prism(4, 1, 0.3);
+  const brick::Brick brick = test::prism(4, 1, 0.3);
   const contacts::Outline outline = contacts::makeOutline(brick, false);
   const Pose pose = chance.pose(2);
   contacts::PlacedOutline placed;
@@ -162,7 +162,7 @@ TEST(Separation, IsTheGapOfTheProjections) {
 }
 
 TEST(Separation, OfParallelEdgesDoesNotExist) {
-  const model::Brick plate = test::plate(0.1);
+  const brick::Brick plate = test::plate(0.1);
   const Pair pair(plate, {}, plate, {{3, 0, 0}, Quaternion::Identity()}, false);
   int parallel = 0;
   for (const contacts::SeparatingPlane& plane : pair.planes()) {
@@ -211,7 +211,7 @@ TEST(PlaneContacts, OfAFaceAreAllPointsAtTheirDistances) {
         const contacts::PlacedOutline& points = onA ? pair->b : pair->a;
         const contacts::PlacedOutline& faces = onA ? pair->a : pair->b;
         const int face = onA ? plane.a : plane.b;
-        const std::vector<model::Contact> contacts = pair->contacts(plane);
+        const std::vector<brick::Contact> contacts = pair->contacts(plane);
         ASSERT_EQ(contacts.size(), points.points.size());
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -219,7 +219,7 @@ TEST(PlaneContacts, OfAFaceAreAllPointsAtTheirDistances) {
           EXPECT_EQ(contacts[k].brickB, onA ? 0 : 1);
           const Vector3 onFace = faces.points[faces.outline->facePoints[face]];
           const double distance = faces.normals[face].dot(points.points[k] - onFace);
-          const double gap = model::contactGap(contacts[k], pair->poses);
+          const double gap = brick::contactGap(contacts[k], pair->poses);
           EXPECT_NEAR(gap, distance, 1e-14);  // measured 1e-15
           least = std::min(least, gap);
         }
@@ -244,15 +244,15 @@ TEST(PlaneContacts, OfTwoEdgesHoldBothBricksOnTheirSides) {
   for (int trial = 0; trial < 100; ++trial) {
     const auto pair = anyPair(chance, false, 1);
     for (const contacts::SeparatingPlane& plane : edgePlanes(*pair)) {
-      const std::vector<model::Contact> contacts = pair->contacts(plane);
+      const std::vector<brick::Contact> contacts = pair->contacts(plane);
       ASSERT_EQ(contacts.size(), pair->a.points.size() + pair->b.points.size() - 1);
       const Vector3 normal = contacts::planeNormal(plane, pair->a, pair->b);
       double least = std::numeric_limits<double>::infinity();
-      for (const model::Contact& contact : contacts) {
-        EXPECT_LT((model::contactNormal(contact, pair->poses) - normal).norm(), 1e-12);
+      for (const brick::Contact& contact : contacts) {
+        EXPECT_LT((brick::contactNormal(contact, pair->poses) - normal).norm(), 1e-12);
         const Vector3 between =
             pair->poses[0].apply(contact.pointA) - pair->poses[1].apply(contact.pointB);
-        const double gap = model::contactGap(contact, pair->poses);
+        const double gap = brick::contactGap(contact, pair->poses);
         EXPECT_NEAR(gap, normal.dot(between), 1e-12);
         least = std::min(least, gap);
       }
@@ -262,7 +262,7 @@ TEST(PlaneContacts, OfTwoEdgesHoldBothBricksOnTheirSides) {
 }
 
 TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
-  const model::Brick plate = test::plate(0.1);
+  const brick::Brick plate = test::plate(0.1);
   for (const double angle : {1e-3, 0.04, 0.06, 0.5}) {
     // Turned about z, the directions along the sides span the angle.
     const Pair pair(plate, {}, plate, {{0, 0, 1}, rotationFromVector({0, 0, angle})}, false);
@@ -282,7 +282,7 @@ TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
 /// Two plates that share a corner of their bottoms and are rotated about it. An edge of each starts
 /// there.
 std::unique_ptr<Pair> cornerPair(Chance& chance) {
-  const model::Brick plate = test::plate(0.2);
+  const brick::Brick plate = test::plate(0.2);
   const Quaternion turnA = rotationFromVector(0.4 * chance.vector());
   const Quaternion turnB = rotationFromVector(0.4 * chance.vector());
   const Pose poseA = {-(turnA * plate.bottom[0]), turnA};
@@ -293,19 +293,19 @@ std::unique_ptr<Pair> cornerPair(Chance& chance) {
 /// The largest difference between a contact's normal row and the central difference of its gap,
 /// over all coordinates of both bricks.
 template <int D>
-double rowError(const model::Contact& contact, const Poses& poses) {
+double rowError(const brick::Contact& contact, const Poses& poses) {
   constexpr double kMove = 1e-6;
   const mechanics::ContactRow<D> row = mechanics::makeContactRow<D>(contact, poses, 1, 0);
   double largest = 0;
   for (const bool ofA : {true, false}) {
     const int brick = ofA ? contact.brickA : contact.brickB;
-    if (brick == model::kFixed) continue;
+    if (brick == brick::kFixed) continue;
     for (int k = 0; k < D; ++k) {
       const auto gapAfter = [&](double move) {
         Poses after = poses;
         mechanics::Coordinates<D>::displace(after[brick],
                                             move * mechanics::Coordinates<D>::Vector::Unit(k));
-        return model::contactGap(contact, after);
+        return brick::contactGap(contact, after);
       };
       const double difference = (gapAfter(kMove) - gapAfter(-kMove)) / (2 * kMove);
       const double derivative = ofA ? row.normalA[k] : row.normalB[k];
@@ -322,7 +322,7 @@ void expectFaceRows(unsigned seed) {
     const auto pair = anyPair(chance, D == 3, 1);
     for (const contacts::SeparatingPlane& plane : pair->planes()) {
       if (plane.kind == Kind::Edges) continue;
-      for (const model::Contact& contact : pair->contacts(plane)) {
+      for (const brick::Contact& contact : pair->contacts(plane)) {
         EXPECT_LT(rowError<D>(contact, pair->poses), 1e-8);  // measured 2e-9
       }
     }
@@ -340,7 +340,7 @@ TEST(ContactRow, OfAFaceIsTheGapsDerivativeInThePlane) {
 TEST(ContactRow, OfTheGroundIsTheGapsDerivative) {
   Chance chance(10);
   const Poses poses = {chance.pose(1)};
-  const model::Contact contact = {0, model::kFixed, chance.vector(), chance.vector(),
+  const brick::Contact contact = {0, brick::kFixed, chance.vector(), chance.vector(),
                                   Vector3::UnitZ()};
   EXPECT_LT(rowError<6>(contact, poses), 1e-8);
 }
@@ -352,7 +352,7 @@ int expectEdgeRows(const Pair& pair) {
     // The gap of nearly parallel edges bends too much for a difference.
     const Vector3& edgeA = pair.a.directions[plane.a];
     if (edgeA.cross(pair.b.directions[plane.b]).norm() < 0.2) continue;
-    for (const model::Contact& contact : pair.contacts(plane)) {
+    for (const brick::Contact& contact : pair.contacts(plane)) {
       EXPECT_LT(rowError<6>(contact, pair.poses), 1e-7);  // measured 2e-9
       ++rows;
     }

@@ -6,9 +6,9 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
@@ -34,9 +34,9 @@ scene::Scene bendingSquare(double youngs, double thickness = 0.02) {
 /// Gives both halves opposite angular velocities about the diagonal, rad/s. Their common centre of
 /// mass stays fixed.
 void bendAt(double rate, scene::Scene& scene) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const Poses poses = model::startPoses(scene.model.tiles, bricks);
-  const std::vector<model::HingeSpring> springs = scene::hingeSprings(scene, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const Poses poses = brick::startPoses(scene.model.tiles, bricks);
+  const std::vector<brick::HingeSpring> springs = scene::hingeSprings(scene, bricks);
   for (const int half : {0, 1}) {
     const bool isB = springs.at(0).hinge.brickB == half;
     const Vector3 turn = (isB ? 0.5 : -0.5) * rate * springs[0].hinge.axis;
@@ -49,7 +49,7 @@ void bendAt(double rate, scene::Scene& scene) {
 }
 
 double bendAngle(const run::DeploymentResult& run, const trajectory::Sample& sample) {
-  return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
+  return brick::hingeAngle(brick::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
                            sample.poses);
 }
 
@@ -63,11 +63,11 @@ TEST(BendingTiles, SwingWithTheFrequencyOfTheirClosedForm) {
   scene.solver.tolerance = 1e-6;
   scene.stop.duration = 1;
   const run::DeploymentResult run = deploy::deploy(scene, 0.01, nullptr);
-  const model::Brick& half = run.trajectory.bricks[0];
+  const brick::Brick& half = run.trajectory.bricks[0];
   const Vector3 axis = Vector3(1, 1, 0).normalized();
   const double stiffness =
       0.55 * youngs * std::pow(thickness, 3) / (12 * 0.91) * std::cbrt(std::sqrt(2.0) / thickness);
-  EXPECT_NEAR(model::hingeSpringsOf(run.trajectory.pairForces).at(0).stiffness, stiffness,
+  EXPECT_NEAR(brick::hingeSpringsOf(run.trajectory.pairForces).at(0).stiffness, stiffness,
               1e-12 * stiffness);
   const double frequency = std::sqrt(
       2 * stiffness / (axis.dot(half.inertia * axis) + half.mass * thickness * thickness / 4));
@@ -196,7 +196,7 @@ TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
     EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
     EXPECT_EQ(run.elasticity->count("springs"), 8);
     const Poses& last = run.trajectory.samples.back().poses;
-    const double height = model::bottomTiles(run.trajectory.bricks, last)[2].vertices[2].z();
+    const double height = brick::bottomTiles(run.trajectory.bricks, last)[2].vertices[2].z();
     EXPECT_GT(height, 0.03);
     heights.push_back(std::abs(height / balance.displacements[0] - 1));
     energies.push_back(std::abs(run.elasticity->energyEnd / balance.energy - 1));
@@ -211,9 +211,9 @@ TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
 // A sheet whose tiles could bend arrives where it does with rigid ones, and nothing is bent there.
 TEST(BendingTiles, DeployToATargetThatRigidTilesReach) {
   scene::Scene scene = scene::openScene();
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.hinges.panels = scene::PanelMaterial{3e9, 0.3, 0};
   scene::splitTiles({}, scene);
   model::alignStartToTarget(scene.model);
@@ -235,7 +235,7 @@ TEST(BendingTiles, AreInTheTrajectory) {
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_EQ(reader.subject().model.joints.size(), 2U);
   for (const model::Joint& joint : reader.subject().model.joints) EXPECT_TRUE(joint.isWithinTile);
-  EXPECT_EQ(model::elasticEnergy(model::hingeSpringsOf(reader.subject().pairForces),
+  EXPECT_EQ(brick::elasticEnergy(brick::hingeSpringsOf(reader.subject().pairForces),
                                  run.trajectory.samples.back().poses),
             run.elasticity->energyEnd);
 }

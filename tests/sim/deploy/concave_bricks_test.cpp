@@ -5,8 +5,8 @@
 #include "sim/generate/families.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
-#include "tests/sim/model/polygons.h"
 #include "tests/sim/run/moving.h"
+#include "tests/support/polygons.h"
 
 namespace kirireel {
 namespace {
@@ -18,7 +18,7 @@ scene::Scene looseTiles(const std::vector<model::Tile>& tiles) {
   scene::Scene scene;
   scene.model.tiles = tiles;
   scene.brick.thickness = 0.1;
-  scene.brick.mass = model::MassRule::Prism;
+  scene.brick.mass = brick::MassRule::Prism;
   scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.environment.pivotZone = 0;
@@ -37,7 +37,7 @@ double kineticEnergy(const Moving& bricks) {
   double energy = 0;
   for (std::size_t i = 0; i < bricks.bricks.size(); ++i) {
     const Velocity& v = bricks.motion.velocities[i];
-    const model::Brick& brick = bricks.bricks[i];
+    const brick::Brick& brick = bricks.bricks[i];
     const Matrix3 turn = bricks.motion.poses[i].rotation.toRotationMatrix();
     energy += 0.5 * brick.mass * v.linear.squaredNorm() +
               0.5 * v.angular.dot(turn * brick.inertia * turn.transpose() * v.angular);
@@ -51,7 +51,7 @@ Watched fly(Moving& bricks, int steps) {
   double energy = kineticEnergy(bricks);
   for (int step = 0; step < steps; ++step) {
     bricks.advance(1);
-    const std::vector<model::Tile> tiles = model::bottomTiles(bricks.bricks, bricks.motion.poses);
+    const std::vector<model::Tile> tiles = brick::bottomTiles(bricks.bricks, bricks.motion.poses);
     seen.deepest = std::max(seen.deepest, test::cornerDepth(tiles[0], tiles[1]));
     seen.nearest = std::min(seen.nearest, test::outlineDistance(tiles[0], tiles[1]));
     const double now = kineticEnergy(bricks);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -23,7 +23,7 @@ bool sameBytes(const trajectory::Trajectory& a, const trajectory::Trajectory& b)
 
 scene::Scene sheet(bool planar, scene::SolverKind kind) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.solver.planar = planar;
   scene.solver.kind = kind;
   scene.stop.duration = 0.5;

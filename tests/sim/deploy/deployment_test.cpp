@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/state_interpolator.h"
 #include "tests/support/refusal.h"
 
@@ -22,9 +22,9 @@ using ::testing::StartsWith;
 /// A 3 x 3 sheet without contacts: the quickest scene that does all.
 scene::Scene smallScene() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::None;
   return scene;
 }
@@ -32,8 +32,8 @@ scene::Scene smallScene() {
 scene::Scene shippedScene(const char* name = "tessellation_4x4") {
   scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model =
-      model::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
+  scene.model = formats::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name,
+                                         warnings);
   return scene;
 }
 
@@ -165,8 +165,8 @@ TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
   scene::Scene scene = smallScene();
   scene.model.target->front().vertices.front().x() += 0.1;
   const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
-  const std::vector<model::Brick>& bricks = result.trajectory.bricks;
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Brick>& bricks = result.trajectory.bricks;
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   const auto poses = [&](const char* name) {
     const auto& states = result.trajectory.figureStates;
     const auto state = std::ranges::find(states, name, &trajectory::FigureState::figure);
@@ -229,10 +229,10 @@ TEST(Deploy, HowFarOverlapsGrowDoesNotDependOnTheFrameRate) {
     const scene::Scene scene = overlappingScene(kind);
     const run::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
     double deepest = 0;
-    const std::vector<model::Brick>& bricks = often.trajectory.bricks;
-    trajectory::PenetrationMeter meter(bricks, model::makePivots(scene.model.joints, bricks),
+    const std::vector<brick::Brick>& bricks = often.trajectory.bricks;
+    trajectory::PenetrationMeter meter(bricks, brick::makePivots(scene.model.joints, bricks),
                                        scene.environment.pivotZone,
-                                       model::startPoses(scene.model.tiles, bricks),
+                                       brick::startPoses(scene.model.tiles, bricks),
                                        trajectory::kRoundingOverlap * model::tileSize(scene.model));
     for (const trajectory::Sample& sample : often.trajectory.samples) {
       deepest = std::max(deepest, meter.at(sample.poses).grown);

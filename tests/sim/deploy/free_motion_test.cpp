@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/brick/brick.h"
 #include "sim/deploy/deployment.h"
 #include "sim/generate/shells.h"
-#include "sim/model/brick.h"
 #include "tests/support/physics.h"
 
 namespace kirireel {
@@ -24,7 +24,7 @@ scene::Scene undriven(model::Model model, double duration) {
   return scene;
 }
 
-Vector3 massCentre(const std::vector<model::Brick>& bricks, const Poses& poses) {
+Vector3 massCentre(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   Vector3 sum = Vector3::Zero();
   double mass = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -36,7 +36,7 @@ Vector3 massCentre(const std::vector<model::Brick>& bricks, const Poses& poses) 
 
 /// How far the mass centre is from v t + g t^2 / 2 at worst, metres.
 double farthestFromParabola(const run::DeploymentResult& run, const Vector3& speed) {
-  const std::vector<model::Brick>& bricks = run.trajectory.bricks;
+  const std::vector<brick::Brick>& bricks = run.trajectory.bricks;
   const Vector3 start = massCentre(bricks, run.trajectory.samples.front().poses);
   double farthest = 0;
   for (const trajectory::Sample& sample : run.trajectory.samples) {
@@ -107,7 +107,7 @@ double pendulumAngle(double time) {
 }
 
 double farthestFromPendulum(const run::DeploymentResult& run) {
-  const model::Brick& brick = run.trajectory.bricks[1];
+  const brick::Brick& brick = run.trajectory.bricks[1];
   double farthest = 0;
   for (const trajectory::Sample& sample : run.trajectory.samples) {
     const Eigen::AngleAxisd turn(pendulumAngle(sample.time), Vector3::UnitZ());

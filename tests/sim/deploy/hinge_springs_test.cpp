@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
@@ -18,9 +18,9 @@ namespace {
 /// A sheet of 4 x 4 squares, open by 30 degrees, whose springs rest at 70 degrees.
 scene::Scene sprungSheet(double stiffness) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = 30 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.model.target.reset();
   scene.actuation.drive = scene::Drive::None;
   scene.hinges.stiffness = stiffness;
@@ -31,7 +31,7 @@ scene::Scene sprungSheet(double stiffness) {
 }
 
 double openingAtEnd(const run::DeploymentResult& run) {
-  return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
+  return brick::hingeAngle(brick::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
                            run.trajectory.samples.back().poses);
 }
 
@@ -57,9 +57,9 @@ TEST(SprungSheets, AreNotAtRestWhileSoftSpringsStillMoveThem) {
 TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
   scene::Scene scene = sprungSheet(50);
   scene.hinges.rest = 30 * kDegree;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = 30 * kDegree;
-  scene.model = model::makeTessellation(shape);  // its target is open by 90 degrees
+  scene.model = generate::makeTessellation(shape);  // its target is open by 90 degrees
   scene.actuation.drive = scene::Drive::Target;
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_GT(openingAtEnd(run), 40 * kDegree);
@@ -84,7 +84,7 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
       h, -h, c, -z, -c);
   std::vector<std::string> warnings;
   scene::Scene scene;
-  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.model = formats::readModel(folder / "a.fold", std::nullopt, warnings);
   ASSERT_TRUE(warnings.empty()) << warnings[0];
   scene.actuation.drive = scene::Drive::None;
   scene.hinges.stiffness = 5;
@@ -96,8 +96,8 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);
   // The sheet is free, so its folds define its state.
   const Poses& last = run.trajectory.samples.back().poses;
-  for (const model::HingeSpring& spring : model::hingeSpringsOf(run.trajectory.pairForces)) {
-    EXPECT_NEAR(model::hingeAngle(spring.hinge, last), spring.rest, 1e-5);
+  for (const brick::HingeSpring& spring : brick::hingeSpringsOf(run.trajectory.pairForces)) {
+    EXPECT_NEAR(brick::hingeAngle(spring.hinge, last), spring.rest, 1e-5);
   }
 }
 
@@ -106,13 +106,13 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
   const test::TemporaryFolder folder;
   trajectory::Trajectory trajectory;
   static_cast<trajectory::Subject&>(trajectory) = trajectory::subjectOf(scene);
-  trajectory.samples.push_back({.poses = model::startPoses(scene.model.tiles, trajectory.bricks)});
+  trajectory.samples.push_back({.poses = brick::startPoses(scene.model.tiles, trajectory.bricks)});
   trajectory::writeTrajectory(trajectory, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
-  const std::vector<model::HingeSpring>& read = model::hingeSpringsOf(reader.subject().pairForces);
+  const std::vector<brick::HingeSpring>& read = brick::hingeSpringsOf(reader.subject().pairForces);
   ASSERT_EQ(read.size(), 24u);
   for (std::size_t s = 0; s < read.size(); ++s) {
-    const model::HingeSpring& written = model::hingeSpringsOf(trajectory.pairForces)[s];
+    const brick::HingeSpring& written = brick::hingeSpringsOf(trajectory.pairForces)[s];
     EXPECT_EQ(read[s].hinge.brickA, written.hinge.brickA);
     EXPECT_EQ(read[s].hinge.brickB, written.hinge.brickB);
     EXPECT_EQ(read[s].hinge.axis, written.hinge.axis);
@@ -122,8 +122,8 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
     EXPECT_EQ(read[s].rest, written.rest);
   }
   const Poses& poses = trajectory.samples[0].poses;
-  EXPECT_EQ(model::elasticEnergy(read, poses),
-            model::elasticEnergy(model::hingeSpringsOf(trajectory.pairForces), poses));
+  EXPECT_EQ(brick::elasticEnergy(read, poses),
+            brick::elasticEnergy(brick::hingeSpringsOf(trajectory.pairForces), poses));
 }
 
 }  // namespace

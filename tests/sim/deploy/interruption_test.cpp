@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/physics.h"
 
 namespace kirireel {
@@ -29,7 +29,7 @@ class InterruptAtCheck {
 /// A sheet of 400 bricks with contacts, 2 s of work if not interrupted.
 scene::Scene sheetThatFalls() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({.columns = 20, .rows = 20});
+  scene.model = generate::makeTessellation({.columns = 20, .rows = 20});
   scene.solver.planar = false;
   scene.solver.timestep = kStep;
   scene.actuation.drive = scene::Drive::None;
@@ -68,7 +68,7 @@ TEST(InterruptedStep, CountsAsNotBegun) {
 
 TEST(InterruptedSearch, ShowsTheStart) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({.columns = 30, .rows = 30});
+  scene.model = generate::makeTessellation({.columns = 30, .rows = 30});
   scene.path.kind = scene::PathKind::Auto;
   const InterruptionScope scope(InterruptAtCheck{3});
   const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);

@@ -7,7 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/contacts/contact_finder.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/dynamics.h"
 #include "sim/scene/scene_needs.h"
 #include "tests/sim/run/moving.h"
@@ -103,10 +103,10 @@ TEST(Obstacles, PushWithTheWeightOfWhatRestsOnThem) {
 
 // No solver has a body for an obstacle: one that nothing meets leaves every bit as it is.
 TEST(Obstacles, ChangeNothingWhereNothingMeetsThem) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  scene::Scene with = sceneOf(model::makeTessellation(shape).tiles, box({0, 0, 50}, {1, 2, 3}));
-  with.model = model::makeTessellation(shape);
+  scene::Scene with = sceneOf(generate::makeTessellation(shape).tiles, box({0, 0, 50}, {1, 2, 3}));
+  with.model = generate::makeTessellation(shape);
   with.model.target.reset();
   scene::Scene without = with;
   without.environment.obstacles.clear();
@@ -192,10 +192,10 @@ TEST(Obstacles, NothingPassesThroughAThinFaceHoweverFast) {
 
 TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.face = model::JointFace::Bottom;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.model.target.reset();
   scene.environment.gravity = Vector3(0, 0, -kGravity);
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
@@ -214,7 +214,7 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
       const Pose& pose = sample.poses[i];
       const Vector3 seen = pose.rotation.conjugate() * (centre - pose.position);
       deepest = std::max(deepest,
-                         1.5 - contacts::nearestPoint(model::brickFaces(bricks[i]), seen).distance);
+                         1.5 - contacts::nearestPoint(brick::brickFaces(bricks[i]), seen).distance);
     }
   }
   EXPECT_GT(deepest, -1e-6);  // they touch

@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
@@ -44,10 +44,10 @@ scene::Scene turned(scene::Scene scene) {
 
 scene::Scene halfOpenSheet() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::Auto;
   scene.path.kind = scene::PathKind::Auto;
   return scene;
@@ -68,9 +68,9 @@ double farthest(const run::DeploymentResult& level, const run::DeploymentResult&
   double largest = 0;
   for (std::size_t k = 0; k < level.trajectory.samples.size(); ++k) {
     const std::vector<model::Tile> expected =
-        turned(model::bottomTiles(level.trajectory.bricks, level.trajectory.samples[k].poses));
+        turned(brick::bottomTiles(level.trajectory.bricks, level.trajectory.samples[k].poses));
     const std::vector<model::Tile> found =
-        model::bottomTiles(tilted.trajectory.bricks, tilted.trajectory.samples[k].poses);
+        brick::bottomTiles(tilted.trajectory.bricks, tilted.trajectory.samples[k].poses);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       for (std::size_t v = 0; v < expected[i].vertices.size(); ++v) {
         largest = std::max(largest, (expected[i].vertices[v] - found[i].vertices[v]).norm());
@@ -82,10 +82,10 @@ double farthest(const run::DeploymentResult& level, const run::DeploymentResult&
 
 TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
   scene::Scene scene = halfOpenSheet();
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 80 * kDegree;
-  scene.model.target = model::makeTessellation(shape).tiles;
+  scene.model.target = generate::makeTessellation(shape).tiles;
   const run::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
   const run::DeploymentResult tilted = deploy::deploy(turned(scene), 0.5, nullptr);
   EXPECT_EQ(level.needs.planar.reason, "start and target lie in horizontal planes");
@@ -111,8 +111,8 @@ TEST(OwnAxes, LigamentsWorkInAnyPlane) {
   const Poses& last = read.samples.back().poses;
   EXPECT_NEAR(read.pairForces.energy(last), tilted.elasticity->energyEnd,
               1e-9 * tilted.elasticity->energyEnd);
-  const model::Elasticity again =
-      model::elasticityOf(read.pairForces, read.samples.front().poses, last);
+  const brick::Elasticity again =
+      brick::elasticityOf(read.pairForces, read.samples.front().poses, last);
   EXPECT_NEAR(again.momentEnd, level.elasticity->momentEnd, 1e-8 * level.elasticity->momentEnd);
 }
 

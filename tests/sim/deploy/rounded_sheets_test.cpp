@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/formats/written_digits.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
-#include "sim/model/model_checks.h"
 #include "sim/trajectory/sheet.h"
 
 namespace kirireel {
@@ -22,7 +22,7 @@ void roundTo(std::vector<model::Tile>& tiles, int places) {
 model::Model rounded(model::Model model, int places) {
   roundTo(model.tiles, places);
   if (model.target) roundTo(*model.target, places);
-  model.rounding = model::roundingOf(model.tiles);
+  model.rounding = formats::roundingOf(model.tiles);
   return model;
 }
 

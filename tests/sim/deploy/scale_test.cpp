@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -49,7 +49,7 @@ void expectSameAtScale(const scene::Scene& scene, double factor, double toleranc
 
 scene::Scene tessellation() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   return scene;
 }
 
@@ -108,7 +108,7 @@ TEST(Scale, StepsToAToleranceMoveAlike) {
 }
 
 scene::Scene weighing(scene::Scene scene, double density) {
-  scene.brick.mass = model::MassRule::Prism;
+  scene.brick.mass = brick::MassRule::Prism;
   scene.brick.density = density;
   return scene;
 }

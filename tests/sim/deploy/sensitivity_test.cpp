@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -11,8 +11,8 @@ namespace {
 scene::Scene shipped(const std::string& name) {
   scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model =
-      model::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
+  scene.model = formats::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name,
+                                         warnings);
   scene.springs = scene::paperSprings();
   return scene;
 }

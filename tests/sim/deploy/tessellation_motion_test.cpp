@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -25,11 +25,11 @@ double openingAngle(const Poses& poses) {
 }
 
 /// Largest distance of a vertex from the exact motion at the same angle, best rigid fit.
-double positionError(const model::TessellationShape& shape, const std::vector<model::Brick>& bricks,
-                     const Poses& poses) {
-  const std::vector<Vector3> found = verticesOf(model::bottomTiles(bricks, poses));
+double positionError(const generate::TessellationShape& shape,
+                     const std::vector<brick::Brick>& bricks, const Poses& poses) {
+  const std::vector<Vector3> found = verticesOf(brick::bottomTiles(bricks, poses));
   const std::vector<Vector3> exact =
-      verticesOf(model::tessellationTiles(shape, openingAngle(poses)));
+      verticesOf(generate::tessellationTiles(shape, openingAngle(poses)));
   const model::RigidMotion fit = model::bestRigidMotion(exact, found);
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -49,9 +49,9 @@ struct MotionErrors {
 
 MotionErrors deployedErrors(int side, bool planar, double stiffness) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = side;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::None;
   scene.solver.planar = planar;
   scene.springs = scene::paperSprings();

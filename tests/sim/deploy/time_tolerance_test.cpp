@@ -5,7 +5,7 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel {
@@ -14,10 +14,10 @@ namespace {
 /// A sheet of squares that opens under its springs.
 scene::Scene openingSheet(double tolerance) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 5 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::None;
   scene.path.kind = scene::PathKind::Straight;
   scene.solver.tolerance = tolerance;
@@ -32,14 +32,14 @@ run::DeploymentResult deployed(const scene::Scene& scene, double rate) {
 /// The farthest that a vertex of one run is from its place in another at a common time.
 double largestDifference(const run::DeploymentResult& a, const run::DeploymentResult& b) {
   double largest = 0;
-  const std::vector<model::Brick>& bricks = a.trajectory.bricks;
+  const std::vector<brick::Brick>& bricks = a.trajectory.bricks;
   for (const trajectory::Sample& sample : a.trajectory.samples) {
     const auto same = std::ranges::find_if(
         b.trajectory.samples,
         [&](const trajectory::Sample& other) { return std::abs(other.time - sample.time) < 1e-9; });
     if (same == b.trajectory.samples.end()) continue;
-    const std::vector<model::Tile> here = model::bottomTiles(bricks, sample.poses);
-    const std::vector<model::Tile> there = model::bottomTiles(bricks, same->poses);
+    const std::vector<model::Tile> here = brick::bottomTiles(bricks, sample.poses);
+    const std::vector<model::Tile> there = brick::bottomTiles(bricks, same->poses);
     for (std::size_t i = 0; i < here.size(); ++i) {
       for (std::size_t k = 0; k < here[i].vertices.size(); ++k) {
         largest = std::max(largest, (here[i].vertices[k] - there[i].vertices[k]).norm());
@@ -130,9 +130,9 @@ TEST(TimeTolerance, ReportsForHowLongContactsWereTooMany) {
 
 TEST(TimeTolerance, GoesOnThroughSingularStarts) {
   scene::Scene scene = openingSheet(1e-4);
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
-  scene.model = model::makeTessellation(shape);  // closed
+  scene.model = generate::makeTessellation(shape);  // closed
   scene.stop.duration = 5;
   const run::DeploymentResult run = deployed(scene, 60);
   EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;

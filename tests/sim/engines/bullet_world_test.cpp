@@ -19,19 +19,19 @@ model::Tile squareAt(double x, double y, double z) {
 
 /// Bricks of unit mass and 0.1 m thickness, where they start, and their pivots.
 struct Layout {
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Poses poses;
-  std::vector<model::Pivot> pivots;
+  std::vector<brick::Pivot> pivots;
 };
 
 Layout makeLayout(const std::vector<model::Tile>& tiles,
                   const std::vector<model::Joint>& joints = {}) {
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = 0.1;
   Layout layout;
-  layout.bricks = model::makeBricks(tiles, rule);
-  layout.poses = model::startPoses(tiles, layout.bricks);
-  layout.pivots = model::makePivots(joints, layout.bricks);
+  layout.bricks = brick::makeBricks(tiles, rule);
+  layout.poses = brick::startPoses(tiles, layout.bricks);
+  layout.pivots = brick::makePivots(joints, layout.bricks);
   return layout;
 }
 
@@ -61,7 +61,7 @@ void advance(engines::BulletWorld& world, int steps) {
 
 double largestGap(const Layout& layout, const Poses& poses) {
   double gap = 0;
-  for (const model::Pivot& pivot : layout.pivots) {
+  for (const brick::Pivot& pivot : layout.pivots) {
     const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
     const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
     gap = std::max(gap, (a - b).norm());

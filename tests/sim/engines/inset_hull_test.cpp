@@ -12,8 +12,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 /// A brick on the unit circle's points at these angles; its other fields do not matter here.
-model::Brick brickOnCircle(const std::vector<double>& angles, double thickness) {
-  model::Brick brick;
+brick::Brick brickOnCircle(const std::vector<double>& angles, double thickness) {
+  brick::Brick brick;
   brick.thickness = thickness;
   for (const double angle : angles) {
     brick.bottom.emplace_back(std::cos(angle), std::sin(angle), 0);
@@ -29,7 +29,7 @@ double reach(const engines::InsetHull& hull, const Vector3& direction) {
   return furthest + hull.margin;
 }
 
-void expectSameFaces(const model::Brick& brick) {
+void expectSameFaces(const brick::Brick& brick) {
   const engines::InsetHull hull = engines::insetHull(brick);
   // Measured: 3e-15 at most.
   EXPECT_NEAR(reach(hull, brick.normal), brick.top[0].dot(brick.normal), 1e-14);
@@ -62,7 +62,7 @@ TEST(InsetHull, TakesAFifthOfTheThicknessUpToTwoCentimetres) {
 
 TEST(InsetHull, LeavesHalfOfAShortEdge) {
   // The edge between the first two points is 0.001 long.
-  const model::Brick sliver = brickOnCircle({0, 0.001, kPi}, 0.1);
+  const brick::Brick sliver = brickOnCircle({0, 0.001, kPi}, 0.1);
   const engines::InsetHull hull = engines::insetHull(sliver);
   EXPECT_LT(hull.margin, 0.001);
   const double before = (sliver.bottom[1] - sliver.bottom[0]).norm();

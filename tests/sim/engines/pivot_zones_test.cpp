@@ -6,38 +6,38 @@ namespace kirireel {
 namespace {
 
 /// A plate of 1 m x 1 m x 0.5 m about the origin: its margin is 0.02 m, so zones reach 0.08 m.
-model::Brick plate() {
+brick::Brick plate() {
   model::Tile tile;
   tile.vertices = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}};
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = 0.5;
-  return model::makeBrick(tile, rule);
+  return brick::makeBrick(tile, rule);
 }
 
 /// Two plates side by side that meet at x = 0.5; the joint at y = 0.5.
-const std::vector<model::Brick> kBricks = {plate(), plate()};
+const std::vector<brick::Brick> kBricks = {plate(), plate()};
 const Poses kPoses = {Pose{}, Pose{{1, 0, 0}, Quaternion::Identity()}};
-const model::Pivot kBottom = {0, 1, {0.5, 0.5, -0.25}, {-0.5, 0.5, -0.25}, 0};
-const model::Pivot kTop = {0, 1, {0.5, 0.5, 0.25}, {-0.5, 0.5, 0.25}, 0};
+const brick::Pivot kBottom = {0, 1, {0.5, 0.5, -0.25}, {-0.5, 0.5, -0.25}, 0};
+const brick::Pivot kTop = {0, 1, {0.5, 0.5, 0.25}, {-0.5, 0.5, 0.25}, 0};
 
 TEST(PivotZones, ReachFourMarginsRoundAPivot) {
-  const engines::PivotZones zones(kBricks, std::vector<model::Pivot>{kBottom});
+  const engines::PivotZones zones(kBricks, std::vector<brick::Pivot>{kBottom});
   EXPECT_TRUE(zones.contains(0, 1, kPoses, {0.5, 0.421, -0.25}));
   EXPECT_FALSE(zones.contains(0, 1, kPoses, {0.5, 0.419, -0.25}));
   EXPECT_FALSE(zones.contains(0, 1, kPoses, {0.5, 0.5, 0}));
 }
 
 TEST(PivotZones, ReachAlongAHinge) {
-  const engines::PivotZones zones(kBricks, std::vector<model::Pivot>{kBottom, kTop});
+  const engines::PivotZones zones(kBricks, std::vector<brick::Pivot>{kBottom, kTop});
   EXPECT_TRUE(zones.contains(0, 1, kPoses, {0.5, 0.5, 0}));
   EXPECT_TRUE(zones.contains(0, 1, kPoses, {0.5, 0.421, 0.1}));
   EXPECT_FALSE(zones.contains(0, 1, kPoses, {0.5, 0, 0}));
 }
 
 TEST(PivotZones, AreTheSameInEitherOrderOfBricks) {
-  const model::Pivot swapped = {1, 0, kBottom.pointB, kBottom.pointA, 0};
-  for (const model::Pivot& pivot : {kBottom, swapped}) {
-    const engines::PivotZones zones(kBricks, std::vector<model::Pivot>{pivot});
+  const brick::Pivot swapped = {1, 0, kBottom.pointB, kBottom.pointA, 0};
+  for (const brick::Pivot& pivot : {kBottom, swapped}) {
+    const engines::PivotZones zones(kBricks, std::vector<brick::Pivot>{pivot});
     EXPECT_TRUE(zones.contains(0, 1, kPoses, {0.5, 0.45, -0.25}));
     EXPECT_TRUE(zones.contains(1, 0, kPoses, {0.5, 0.45, -0.25}));
     EXPECT_FALSE(zones.contains(1, 0, kPoses, {0.5, -0.5, -0.25}));
@@ -45,7 +45,7 @@ TEST(PivotZones, AreTheSameInEitherOrderOfBricks) {
 }
 
 TEST(PivotZones, MoveWithTheBricks) {
-  const engines::PivotZones zones(kBricks, std::vector<model::Pivot>{kBottom});
+  const engines::PivotZones zones(kBricks, std::vector<brick::Pivot>{kBottom});
   const Pose motion{{3, -2, 1}, rotationFromVector({0.3, 0.7, -1.1})};
   Poses moved;
   for (const Pose& pose : kPoses) {

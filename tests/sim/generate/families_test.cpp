@@ -6,7 +6,7 @@
 
 #include "sim/base/error.h"
 #include "tests/sim/generate/sheet_checks.h"
-#include "tests/sim/model/polygons.h"
+#include "tests/support/polygons.h"
 #include "tests/support/refusal.h"
 
 namespace kirireel {

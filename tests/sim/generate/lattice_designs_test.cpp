@@ -17,20 +17,20 @@ double area(const std::vector<model::Tile>& tiles) {
 }
 
 /// Area of the tiles' outline by going round the given corners.
-double outlineArea(const model::TurningField& field,
+double outlineArea(const generate::TurningField& field,
                    const std::vector<generate::LatticeCorner>& round, double angle) {
   double sum = 0;
   for (std::size_t k = 0; k < round.size(); ++k) {
     const generate::LatticeCorner& next = round[(k + 1) % round.size()];
-    const model::Complex a = field.corner(round[k].cell, round[k].corner, angle);
-    const model::Complex b = field.corner(next.cell, next.corner, angle);
+    const generate::Complex a = field.corner(round[k].cell, round[k].corner, angle);
+    const generate::Complex b = field.corner(next.cell, next.corner, angle);
     sum += 0.5 * (std::conj(a) * b).imag();
   }
   return sum;
 }
 
 /// Least and largest distance of the tips from the origin.
-std::pair<double, double> tipDistances(const model::TurningField& field, double angle) {
+std::pair<double, double> tipDistances(const generate::TurningField& field, double angle) {
   std::vector<double> distances;
   for (const generate::LatticeCorner& tip : generate::tips(field.lattice())) {
     distances.push_back(std::abs(field.corner(tip.cell, tip.corner, angle)));
@@ -40,7 +40,7 @@ std::pair<double, double> tipDistances(const model::TurningField& field, double 
 }
 
 TEST(LatticeDesigns, ClosedSheetsHaveNoVoids) {
-  for (const model::TurningField& field :
+  for (const generate::TurningField& field :
        {generate::heartField({4, 4}), generate::fanField({}), generate::squareToDiskField(5),
         generate::irregularField({6, 4}, 0.2, 3)}) {
     const double tiles = area(field.tiles(0));
@@ -52,7 +52,7 @@ TEST(LatticeDesigns, ClosedSheetsHaveNoVoids) {
 }
 
 TEST(LatticeDesigns, SquareBecomesADisk) {
-  const model::TurningField field = generate::squareToDiskField(5);
+  const generate::TurningField field = generate::squareToDiskField(5);
   const auto [least, most] = tipDistances(field, pi);
   EXPECT_NEAR(least, most, 1e-12);  // measured 9e-16
   EXPECT_NEAR(most, 2.8998, 1e-4);  // an independent solution of the same equations
@@ -67,7 +67,7 @@ TEST(LatticeDesigns, SquaresTipsStandOnACircle) {
 
 TEST(LatticeDesigns, OpenAsOneMechanism) {
   // v(theta) = cos(theta / 2) v(0) + sin(theta / 2) v(pi), corner by corner.
-  const model::TurningField field = generate::heartField({4, 4});
+  const generate::TurningField field = generate::heartField({4, 4});
   const std::vector<model::Tile> start = field.tiles(0), end = field.tiles(pi),
                                  between = field.tiles(1);
   for (std::size_t tile = 0; tile < start.size(); ++tile) {

@@ -23,7 +23,7 @@ Eigen::MatrixXd pointRows(const Vector3& r) {
   return rows;
 }
 
-DenseStep denseStep(const JoinedBricks& system, const std::vector<model::Load>& loads, double h) {
+DenseStep denseStep(const JoinedBricks& system, const std::vector<brick::Load>& loads, double h) {
   const auto n = static_cast<Eigen::Index>(system.bricks.size());
   DenseStep dense{Eigen::MatrixXd::Zero(6 * n, 6 * n),
                   Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(system.pivots.size()), 6 * n),
@@ -38,7 +38,7 @@ DenseStep denseStep(const JoinedBricks& system, const std::vector<model::Load>& 
     dense.f.segment<6>(6 * i) = M * u0 + h * loads[i].force;
   }
   for (std::size_t p = 0; p < system.pivots.size(); ++p) {
-    const model::Pivot& pivot = system.pivots[p];
+    const brick::Pivot& pivot = system.pivots[p];
     const auto row = 3 * static_cast<Eigen::Index>(p);
     const Poses& poses = system.motion.poses;
     dense.J.block<3, 6>(row, 6 * pivot.brickA) =
@@ -117,10 +117,10 @@ JoinedBricks randomSystem(unsigned seed, bool planar) {
   return system;
 }
 
-std::vector<model::Load> randomLoads(std::size_t count, unsigned seed) {
+std::vector<brick::Load> randomLoads(std::size_t count, unsigned seed) {
   std::srand(seed);
-  std::vector<model::Load> loads(count);
-  for (model::Load& load : loads) {
+  std::vector<brick::Load> loads(count);
+  for (brick::Load& load : loads) {
     const Matrix6 B = Matrix6::Random(), C = Matrix6::Random();
     load = {10 * Vector6::Random(), 100 * B.transpose() * B, 10 * C.transpose() * C};
   }
@@ -129,9 +129,9 @@ std::vector<model::Load> randomLoads(std::size_t count, unsigned seed) {
 
 /// Largest difference between the solver's velocities and the dense ones, relative to the latter.
 double denseDifference(const JoinedBricks& system, unsigned seed, double h, bool planar) {
-  const std::vector<model::Load> loads = randomLoads(system.bricks.size(), seed);
+  const std::vector<brick::Load> loads = randomLoads(system.bricks.size(), seed);
   Motion motion = system.motion;
-  const auto source = [&](const Poses&, std::vector<model::Load>& out) { out = loads; };
+  const auto source = [&](const Poses&, std::vector<brick::Load>& out) { out = loads; };
   const StepReport report = system.solver(planar)->advance(motion, h, source, nullptr);
   EXPECT_EQ(report.steps, 1);
   EXPECT_EQ(report.unconverged, 0);

@@ -72,7 +72,7 @@ TEST(Energy, NeverGrowsAsACompactSheetOpens) {
 TEST(Energy, OfATumblingBrickKeepsToItsMomentum) {
   // Three unequal axes, where explicit gyroscopic terms blow up. The momentum is exact, so the
   // energy stays below the bound for this momentum: L^2 / 2 times 1 / inertia.
-  JoinedBricks brick(model::makeTessellation({1, 1, 3, 1}), 0.2);
+  JoinedBricks brick(generate::makeTessellation({1, 1, 3, 1}), 0.2);
   brick.motion.velocities[0].angular = {0.1, 9, 0.1};
   const Matrix3& inertia = brick.bricks[0].inertia;
   const double momentum = (inertia * brick.motion.velocities[0].angular).norm();

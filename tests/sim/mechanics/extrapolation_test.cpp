@@ -19,7 +19,7 @@ constexpr double kLongest = 1.0 / 60;
 
 /// Loads that do not change by time.
 mechanics::TimedLoads timeless(const mechanics::LoadSource& loads) {
-  return [loads](double, const Poses& poses, std::vector<model::Load>& out) { loads(poses, out); };
+  return [loads](double, const Poses& poses, std::vector<brick::Load>& out) { loads(poses, out); };
 }
 
 /// Steps to a tolerance without contacts.
@@ -40,7 +40,7 @@ struct Stepping {
       const double begin = done;
       const auto taken = extrapolation.step(
           bricks.motion, seconds - done,
-          [&](double after, const Poses& poses, std::vector<model::Load>& out) {
+          [&](double after, const Poses& poses, std::vector<brick::Load>& out) {
             loads(begin + after, poses, out);
           },
           {}, report);
@@ -93,10 +93,10 @@ class OneAngleSheet {
   OneAngleSheet(const JoinedBricks& sheet, int side, double startAngle,
                 const mechanics::LoadSource& loads)
       : sheet_(sheet), side_(side), startAngle_(startAngle), loads_(loads), angle_{startAngle, 0} {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = side;
-    const std::vector<model::Tile> flat = model::tessellationTiles(shape, 0);
-    const std::vector<model::Tile> open = model::tessellationTiles(shape, std::numbers::pi / 2);
+    const std::vector<model::Tile> flat = generate::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> open = generate::tessellationTiles(shape, std::numbers::pi / 2);
     for (std::size_t i = 0; i < flat.size(); ++i) {
       const Vector3 a = meanPoint(flat[i].vertices);
       a_.push_back(a);
@@ -133,10 +133,10 @@ class OneAngleSheet {
     return poses;
   }
   double acceleration(double angle, double rate) {
-    loads_(posesAt(angle), scratch_ = std::vector<model::Load>(a_.size()));
+    loads_(posesAt(angle), scratch_ = std::vector<brick::Load>(a_.size()));
     double mass = 0, massSlope = 0, force = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      const model::Brick& brick = sheet_.bricks[i];
+      const brick::Brick& brick = sheet_.bricks[i];
       const Vector3 direction = along(i, angle);
       const Vector3 bend = -0.25 * (a_[i] * std::cos(angle / 2) + b_[i] * std::sin(angle / 2));
       mass += brick.mass * direction.squaredNorm() + brick.inertia(2, 2) / 4;
@@ -154,11 +154,11 @@ class OneAngleSheet {
   mechanics::LoadSource loads_;
   std::array<double, 2> angle_;
   std::vector<Vector3> a_, b_;
-  std::vector<model::Load> scratch_;
+  std::vector<brick::Load> scratch_;
 };
 
 double farthest(const JoinedBricks& bricks, const Poses& expected) {
-  return trajectory::targetError(model::bottomTiles(bricks.bricks, expected), bricks.bricks,
+  return trajectory::targetError(brick::bottomTiles(bricks.bricks, expected), bricks.bricks,
                                  bricks.motion.poses);
 }
 
@@ -210,7 +210,7 @@ JoinedBricks chainOfSquares() {
 /// centre and L from joint to joint,
 ///   (I + m d^2 + m L^2) a" + m L d cos(a - b) b" = -m L d sin(a - b) b'^2 + m (d + L) g.n(a),
 ///   m L d cos(a - b) a" + (I + m d^2) b" = m L d sin(a - b) a'^2 + m d g.n(b).
-std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const model::Brick& brick,
+std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const brick::Brick& brick,
                                      const Vector3& gravity) {
   const double d = std::sqrt(0.5), length = 2 * d, m = brick.mass, inertia = brick.inertia(2, 2);
   const auto pull = [&](double angle) {
@@ -228,14 +228,14 @@ std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const model
 
 TEST(DoublePendulum, FollowsItsEquationsOfMotionToTheTolerance) {
   const Vector3 gravity = 9.81 * Vector3(std::cos(-0.25), std::sin(-0.25), 0);
-  const mechanics::LoadSource weight = [&](const Poses&, std::vector<model::Load>& loads) {
-    std::fill(loads.begin(), loads.end(), model::Load{});
-    for (model::Load& load : loads) load.force.head<3>() = gravity;  // every mass is 1
+  const mechanics::LoadSource weight = [&](const Poses&, std::vector<brick::Load>& loads) {
+    std::fill(loads.begin(), loads.end(), brick::Load{});
+    for (brick::Load& load : loads) load.force.head<3>() = gravity;  // every mass is 1
   };
   std::vector<double> errors;
   for (const double tolerance : kTolerances) {
     JoinedBricks chain = chainOfSquares();
-    const model::Brick brick = chain.bricks[1];
+    const brick::Brick brick = chain.bricks[1];
     Stepping stepping(chain, true, tolerance);
     stepping.solver->setPinned({true, false, false});
     stepping.extrapolation.setSupported(true);

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sim/brick/hinge.h"
 #include "sim/mechanics/extrapolation.h"
-#include "sim/model/hinge.h"
 #include "sim/trajectory/measures.h"
 #include "tests/sim/mechanics/joined_bricks.h"
 
@@ -18,7 +18,7 @@ using test::JoinedBricks;
 
 /// Puts springs at all hinges, at rest at an angle.
 void addSprings(JoinedBricks& sheet, bool planar, double stiffness, double rest, double damping) {
-  for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, planar).hinges) {
+  for (const brick::Hinge& hinge : brick::findHinges(sheet.bricks, sheet.pivots, planar).hinges) {
     sheet.springs.push_back({hinge, stiffness, rest, damping});
   }
 }
@@ -39,7 +39,7 @@ class SprungMotion {
 
   void advance(double seconds) {
     const mechanics::TimedLoads none = [](double, const Poses& poses,
-                                          std::vector<model::Load>& loads) {
+                                          std::vector<brick::Load>& loads) {
       test::noLoads(poses, loads);
     };
     for (double done = 0; done < seconds * (1 - 1e-9);) {
@@ -75,15 +75,15 @@ TEST(SpringPendulum, SwingsWithTheFrequencyOfItsClosedForm) {
     JoinedBricks squares = twoSquares();
     const double stiffness = 7, swing = 0.4;
     addSprings(squares, planar, stiffness, 90 * kDegree + swing, 0);
-    const model::Brick& brick = squares.bricks[1];
+    const brick::Brick& brick = squares.bricks[1];
     const double frequency = std::sqrt(stiffness / (brick.inertia(2, 2) + 0.5 * brick.mass));
     SprungMotion motion(squares, planar, 1e-9);
     motion.pin({true, false});
     double phase = 0;
     for (double time = 0.05; time < 10.02; time += 0.05) {
       motion.advance(0.05);
-      const model::HingeSpring& spring = squares.springs[0];
-      const double off = spring.rest - model::hingeAngle(spring.hinge, squares.motion.poses);
+      const brick::HingeSpring& spring = squares.springs[0];
+      const double off = spring.rest - brick::hingeAngle(spring.hinge, squares.motion.poses);
       const double rate =
           spring.hinge.axis.z() * squares.motion.velocities[1].angular.z() / frequency;
       phase += std::remainder(std::atan2(rate, off) - phase, 2 * std::numbers::pi);
@@ -100,10 +100,10 @@ TEST(SpringPendulum, SwingsWithTheFrequencyOfItsClosedForm) {
 class OneAngle {
  public:
   OneAngle(const JoinedBricks& sheet, int side, double angle) : sheet_(sheet), angle_(angle) {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = side;
-    const std::vector<model::Tile> flat = model::tessellationTiles(shape, 0);
-    const std::vector<model::Tile> open = model::tessellationTiles(shape, std::numbers::pi / 2);
+    const std::vector<model::Tile> flat = generate::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> open = generate::tessellationTiles(shape, std::numbers::pi / 2);
     for (std::size_t i = 0; i < flat.size(); ++i) {
       a_.push_back(meanPoint(flat[i].vertices));
       b_.push_back(std::sqrt(2.0) * meanPoint(open[i].vertices) - a_.back());
@@ -130,7 +130,7 @@ class OneAngle {
   std::pair<double, double> slope(double angle, double rate) const {
     double mass = 0, massSlope = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      const model::Brick& brick = sheet_.bricks[i];
+      const brick::Brick& brick = sheet_.bricks[i];
       const double c = std::cos(angle / 2), s = std::sin(angle / 2);
       const Vector3 along = 0.5 * (b_[i] * c - a_[i] * s);
       const Vector3 bend = -0.25 * (a_[i] * c + b_[i] * s);
@@ -138,7 +138,7 @@ class OneAngle {
       massSlope += 2 * brick.mass * along.dot(bend);
     }
     double moment = 0;
-    for (const model::HingeSpring& spring : sheet_.springs) {
+    for (const brick::HingeSpring& spring : sheet_.springs) {
       moment += spring.stiffness * (spring.rest - angle) - spring.damping * rate;
     }
     return {rate, (moment - 0.5 * massSlope * rate * rate) / mass};
@@ -162,9 +162,9 @@ TEST(RotatingSquares, SwingByTheirEquationOfMotion) {
       for (int k = 0; k < 20; ++k) {
         motion.advance(0.1);
         exact.advance(0.1);
-        for (const model::HingeSpring& spring : sheet.springs) {
+        for (const brick::HingeSpring& spring : sheet.springs) {
           worst = std::max(
-              worst, std::abs(model::hingeAngle(spring.hinge, sheet.motion.poses) - exact.angle()));
+              worst, std::abs(brick::hingeAngle(spring.hinge, sheet.motion.poses) - exact.angle()));
         }
       }
       EXPECT_LT(worst, 1e-6) << side;  // measured 3e-9 to 5e-8

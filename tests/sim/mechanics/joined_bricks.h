@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/brick/brick.h"
+#include "sim/generate/lattice.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
-#include "sim/model/brick.h"
-#include "sim/model/lattice.h"
 #include "sim/run/forces.h"
 #include "sim/trajectory/measures.h"
 #include "tests/support/pair_forces.h"
@@ -19,9 +19,9 @@ namespace kirireel::test {
 struct JoinedBricks {
   explicit JoinedBricks(const model::Model& start, double thickness = 0.02)
       : model(start),
-        bricks(model::makeBricks(start.tiles, {thickness, model::MassRule::Unit, 1})),
-        pivots(model::makePivots(start.joints, bricks)),
-        motion{model::startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
+        bricks(brick::makeBricks(start.tiles, {thickness, brick::MassRule::Unit, 1})),
+        pivots(brick::makePivots(start.joints, bricks)),
+        motion{brick::startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
 
   std::unique_ptr<mechanics::JointSolver> solver(bool planar) const {
     return mechanics::makeJointSolver(
@@ -29,33 +29,33 @@ struct JoinedBricks {
   }
 
   model::Model model;
-  std::vector<model::Brick> bricks;
-  std::vector<model::Pivot> pivots;
+  std::vector<brick::Brick> bricks;
+  std::vector<brick::Pivot> pivots;
   Motion motion;
-  std::vector<model::HingeSpring> springs;  // at hinges
-  std::vector<model::Ligament> ligaments;
+  std::vector<brick::HingeSpring> springs;  // at hinges
+  std::vector<brick::Ligament> ligaments;
 };
 
 /// Kinetic and elastic energy, J.
 inline double energyOf(const JoinedBricks& sheet) {
   return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
-         model::elasticEnergy(sheet.springs, sheet.motion.poses) +
-         model::elasticEnergy(sheet.ligaments, sheet.motion.poses);
+         brick::elasticEnergy(sheet.springs, sheet.motion.poses) +
+         brick::elasticEnergy(sheet.ligaments, sheet.motion.poses);
 }
 
 /// An opened sheet of unit squares, whose target is half open.
 inline model::Model openSheet(int side, double startAngle) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.startAngle = startAngle;
-  return model::makeTessellation(shape);
+  return generate::makeTessellation(shape);
 }
 
 /// Target springs and the environment's damping, as in a deployment.
 inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
                                          const run::TargetSprings& springs,
                                          scene::Environment environment) {
-  return [&sheet, &springs, environment](const Poses& poses, std::vector<model::Load>& loads) {
+  return [&sheet, &springs, environment](const Poses& poses, std::vector<brick::Load>& loads) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
     }
@@ -64,15 +64,15 @@ inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
 }
 
 /// Loads that push nothing.
-inline void noLoads(const Poses&, std::vector<model::Load>& loads) {
-  std::fill(loads.begin(), loads.end(), model::Load{});
+inline void noLoads(const Poses&, std::vector<brick::Load>& loads) {
+  std::fill(loads.begin(), loads.end(), brick::Load{});
 }
 
 /// Moves a sheet for so many seconds to a tolerance in time, no loads but those of its solver.
 inline void advance(JoinedBricks& sheet, mechanics::Extrapolation& extrapolation, double seconds) {
   StepReport report;
   const mechanics::TimedLoads none = [](double, const Poses& poses,
-                                        std::vector<model::Load>& loads) { noLoads(poses, loads); };
+                                        std::vector<brick::Load>& loads) { noLoads(poses, loads); };
   for (double done = 0; done < seconds * (1 - 1e-9);) {
     const auto taken = extrapolation.step(sheet.motion, seconds - done, none, {}, report);
     ASSERT_TRUE(taken.has_value());

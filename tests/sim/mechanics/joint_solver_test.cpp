@@ -12,11 +12,11 @@ using test::JoinedBricks;
 
 /// Two hinged bricks that tumble in free space, their joint closed in speed too.
 JoinedBricks tumblingPair() {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
   shape.startAngle = 0.5;
-  JoinedBricks pair(model::makeTessellation(shape), 0.3);
+  JoinedBricks pair(generate::makeTessellation(shape), 0.3);
   const Vector3 turn(0.7, -0.4, 1.1);
   for (std::size_t i = 0; i < 2; ++i) {
     pair.motion.velocities[i] = {Vector3(0.2, 0.1, 3) + turn.cross(pair.motion.poses[i].position),
@@ -84,8 +84,8 @@ TEST(JointSolver, FreeFallIsTheSumOverSteps) {
   JoinedBricks pair = tumblingPair();
   const Vector3 start = massCentre(pair);
   const Vector3 speed = linearMomentum(pair) / 2;
-  const mechanics::LoadSource gravity = [](const Poses&, std::vector<model::Load>& loads) {
-    for (model::Load& load : loads) {
+  const mechanics::LoadSource gravity = [](const Poses&, std::vector<brick::Load>& loads) {
+    for (brick::Load& load : loads) {
       load = {};
       load.force[2] = -10;
     }
@@ -183,17 +183,17 @@ TEST(StepReport, AddsUp) {
 }
 
 TEST(JointSolver, JointsThatGiveStretchByTheirLoad) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  JoinedBricks pair(model::makeTessellation(shape));
+  JoinedBricks pair(generate::makeTessellation(shape));
   ASSERT_EQ(pair.pivots.size(), 2U);
   constexpr double kForce = 3;
   constexpr double kStiffness = 1e4;
   // Both bricks are pulled at their joint, half way between its pivots.
-  const auto pull = [&](const Poses& poses, std::vector<model::Load>& loads) {
-    const model::Pivot& low = pair.pivots[0];
-    const model::Pivot& high = pair.pivots[1];
+  const auto pull = [&](const Poses& poses, std::vector<brick::Load>& loads) {
+    const brick::Pivot& low = pair.pivots[0];
+    const brick::Pivot& high = pair.pivots[1];
     const auto set = [&](int brick, const Vector3& point, const Vector3& force) {
       const Vector3 arm = poses[brick].rotation * point;
       loads[brick] = {};

@@ -21,17 +21,17 @@ using test::JoinedBricks;
 JoinedBricks ligamentSheet(int side, double length, double stiffness, double bending,
                            double damping, int exact = 0) {
   JoinedBricks sheet(test::openSheet(side, 0.6));
-  for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
+  for (const brick::Hinge& hinge : brick::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
     sheet.springs.push_back({hinge, bending, 0.8, damping});
   }
-  std::vector<model::Pivot> kept;
-  for (const model::Pivot& pivot : sheet.pivots) {
+  std::vector<brick::Pivot> kept;
+  for (const brick::Pivot& pivot : sheet.pivots) {
     if (pivot.isUpper) continue;
     if (std::max(pivot.brickA, pivot.brickB) < exact) {
       kept.push_back(pivot);
       continue;
     }
-    model::Ligament ligament{pivot.brickA, pivot.brickB};
+    brick::Ligament ligament{pivot.brickA, pivot.brickB};
     ligament.across = Vector3(0.6, 0.8, 0);
     ligament.start = length * ligament.across;
     ligament.pointA = pivot.pointA - 0.5 * ligament.start;
@@ -64,7 +64,7 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
     squares.motion.poses.resize(2);
     squares.motion.velocities.resize(2);
     const Vector3 apart = squares.motion.poses[1].position - squares.motion.poses[0].position;
-    model::Ligament ligament{0, 1};
+    brick::Ligament ligament{0, 1};
     ligament.across = apart.normalized();
     ligament.start = length * ligament.across;
     ligament.pointA = 0.5 * (apart - ligament.start);
@@ -124,7 +124,7 @@ TEST(LigamentSteps, KeepTheirEnergyToTheTolerance) {
 TEST(LigamentSteps, KeepTheEnergyOfSmallSwingsDownToTheRounding) {
   for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
     JoinedBricks sheet = ligamentSheet(4, 0.1, 2e3, 2, 0);
-    for (model::HingeSpring& spring : sheet.springs) spring.rest = spring.hinge.start;
+    for (brick::HingeSpring& spring : sheet.springs) spring.rest = spring.hinge.start;
     throwAbout(sheet);
     for (Velocity& velocity : sheet.motion.velocities) {
       velocity.linear *= 1e-4;
@@ -135,7 +135,7 @@ TEST(LigamentSteps, KeepTheEnergyOfSmallSwingsDownToTheRounding) {
     mechanics::Extrapolation extrapolation(sheet.bricks, *solver,
                                            {.tolerance = tolerance, .keepsEnergy = true});
     const mechanics::TimedLoads none = [](double, const Poses& poses,
-                                          std::vector<model::Load>& loads) {
+                                          std::vector<brick::Load>& loads) {
       test::noLoads(poses, loads);
     };
     StepReport report;
@@ -158,9 +158,9 @@ TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
     mechanics::Extrapolation extrapolation(sheet.bricks, *solver,
                                            {.tolerance = tolerance, .keepsEnergy = true});
     const double pull = 0.5, drag = 0.3;
-    const mechanics::TimedLoads loads = [&](double, const Poses&, std::vector<model::Load>& out) {
+    const mechanics::TimedLoads loads = [&](double, const Poses&, std::vector<brick::Load>& out) {
       test::noLoads({}, out);
-      for (model::Load& load : out) load.damping.diagonal().setConstant(drag);
+      for (brick::Load& load : out) load.damping.diagonal().setConstant(drag);
       out.front().force.x() = -pull;
       out.back().force.x() = pull;
     };

@@ -33,7 +33,7 @@ std::vector<model::Tile> tilesAfter(const Story& story, bool planar) {
   for (int step = 0; step < 120; ++step) {
     solver->advance(sheet.motion, 1.0 / 240, loads, nullptr);
   }
-  return model::bottomTiles(sheet.bricks, sheet.motion.poses);
+  return brick::bottomTiles(sheet.bricks, sheet.motion.poses);
 }
 
 /// A sheet that opens while it flies: in space it tumbles too.

@@ -17,33 +17,33 @@ using test::JoinedBricks;
 
 /// A spring between the centres of mass of two bricks, at rest at a length l:
 ///   E = k (|d| - l)^2 / 2,   g = k (|d| - l) n,   K = k n n^T + k (1 - l / |d|) (1 - n n^T).
-class CentreSpring : public model::PairForce {
+class CentreSpring : public brick::PairForce {
  public:
   CentreSpring(int brickA, int brickB, double stiffness, double length)
       : brickA_(brickA), brickB_(brickB), stiffness_(stiffness), length_(length) {}
 
-  const model::PairForceName& name() const override { return kName; }
+  const brick::PairForceName& name() const override { return kName; }
   std::size_t size() const override { return 1; }
   std::pair<int, int> bricks(std::size_t) const override { return {brickA_, brickB_}; }
   double energy(std::size_t, const Poses& poses) const override {
     return 0.5 * stiffness_ * std::pow(apart(poses).norm() - length_, 2);
   }
-  model::PairEnergy derivatives(std::size_t pair, const Poses& poses) const override {
+  brick::PairEnergy derivatives(std::size_t pair, const Poses& poses) const override {
     const double far = apart(poses).norm();
     const Vector3 n = apart(poses) / far;
     const Matrix3 along = n * n.transpose();
     const Matrix3 K = stiffness_ * (along + (1 - length_ / far) * (Matrix3::Identity() - along));
-    model::PairEnergy found{energy(pair, poses)};
+    brick::PairEnergy found{energy(pair, poses)};
     found.gradient.segment<3>(6) = stiffness_ * (far - length_) * n;
     found.gradient.head<3>() = -found.gradient.segment<3>(6);
     found.hessian.topLeftCorner<3, 3>() = found.hessian.block<3, 3>(6, 6) = K;
     found.hessian.block<3, 3>(0, 6) = found.hessian.block<3, 3>(6, 0) = -K;
     return found;
   }
-  std::vector<model::PairColumn> columns() const override { return {}; }
+  std::vector<brick::PairColumn> columns() const override { return {}; }
 
  private:
-  static constexpr model::PairForceName kName{"centre_springs", "centre_springs", "{} springs"};
+  static constexpr brick::PairForceName kName{"centre_springs", "centre_springs", "{} springs"};
 
   Vector3 apart(const Poses& poses) const {
     return poses[static_cast<std::size_t>(brickB_)].position -
@@ -55,28 +55,28 @@ class CentreSpring : public model::PairForce {
 };
 
 /// A force known only by its derivatives.
-class FromDerivatives : public model::PairForce {
+class FromDerivatives : public brick::PairForce {
  public:
-  explicit FromDerivatives(std::vector<model::HingeSpring> springs)
+  explicit FromDerivatives(std::vector<brick::HingeSpring> springs)
       : springs_(std::move(springs)) {}
 
-  const model::PairForceName& name() const override { return springs_.name(); }
+  const brick::PairForceName& name() const override { return springs_.name(); }
   std::size_t size() const override { return springs_.size(); }
   std::pair<int, int> bricks(std::size_t pair) const override { return springs_.bricks(pair); }
   double energy(std::size_t pair, const Poses& poses) const override {
     return springs_.energy(pair, poses);
   }
-  model::PairEnergy derivatives(std::size_t pair, const Poses& poses) const override {
+  brick::PairEnergy derivatives(std::size_t pair, const Poses& poses) const override {
     return springs_.derivatives(pair, poses);
   }
-  std::vector<model::PairColumn> columns() const override { return {}; }
+  std::vector<brick::PairColumn> columns() const override { return {}; }
 
  private:
-  model::HingeSprings springs_;
+  brick::HingeSprings springs_;
 };
 
 std::unique_ptr<mechanics::JointSolver> solverWith(const JoinedBricks& sheet, bool planar,
-                                                   std::shared_ptr<const model::PairForce> force) {
+                                                   std::shared_ptr<const brick::PairForce> force) {
   mechanics::JointSolverSettings settings{planar, model::tileSize(sheet.model)};
   settings.pairForces.add(std::move(force));
   return mechanics::makeJointSolver(sheet.bricks, sheet.pivots, settings);
@@ -119,7 +119,7 @@ TEST(PairForces, MoveASheetAsSpringsAtItsHingesDo) {
     model::Model model = test::openSheet(3, 0.6);
     for (model::Joint& joint : model.joints) joint.face = model::JointFace::Both;
     JoinedBricks rows(model);
-    for (const model::Hinge& hinge : model::findHinges(rows.bricks, rows.pivots, planar).hinges) {
+    for (const brick::Hinge& hinge : brick::findHinges(rows.bricks, rows.pivots, planar).hinges) {
       rows.springs.push_back({hinge, 2, hinge.start + 0.3, 0});
     }
     ASSERT_EQ(rows.springs.size(), 12U);
@@ -158,20 +158,20 @@ TEST(PairForces, HaveTheGradientOfTheirEnergy) {
   model::Model model = test::openSheet(2, 0.6);
   JoinedBricks sheet(model);
   sheet.motion.poses[1] = moved(moved(sheet.motion.poses, 1, 0, 0.1), 1, 5, 0.2)[1];
-  const model::Hinge hinge = model::findHinges(sheet.bricks, sheet.pivots, true).hinges.at(0);
-  model::Ligament ligament{0, 1};
+  const brick::Hinge hinge = brick::findHinges(sheet.bricks, sheet.pivots, true).hinges.at(0);
+  brick::Ligament ligament{0, 1};
   ligament.start = Vector3(0.4, 0.2, 0);
   ligament.stretchStiffness = 3;
   ligament.shearStiffness = 0.7;
-  const model::HingeSprings springs({{hinge, 2, 0.1, 0}});
-  const model::Ligaments ligaments({ligament});
+  const brick::HingeSprings springs({{hinge, 2, 0.1, 0}});
+  const brick::Ligaments ligaments({ligament});
   const CentreSpring centre(0, 1, 5, 0.8);
-  for (const model::PairForce* force : {static_cast<const model::PairForce*>(&springs),
-                                        static_cast<const model::PairForce*>(&ligaments),
-                                        static_cast<const model::PairForce*>(&centre)}) {
+  for (const brick::PairForce* force : {static_cast<const brick::PairForce*>(&springs),
+                                        static_cast<const brick::PairForce*>(&ligaments),
+                                        static_cast<const brick::PairForce*>(&centre)}) {
     const auto [a, b] = force->bricks(0);
-    const model::PairEnergy found = force->derivatives(0, sheet.motion.poses);
-    const model::PairEnergy flat = model::inSpace(model::inPlane(found));
+    const brick::PairEnergy found = force->derivatives(0, sheet.motion.poses);
+    const brick::PairEnergy flat = brick::inSpace(brick::inPlane(found));
     const double h = 1e-5;
     for (const int k : {0, 1, 5, 6, 7, 11}) {
       const auto brick = static_cast<std::size_t>(k < 6 ? a : b);
@@ -189,29 +189,29 @@ TEST(PairForces, HaveTheGradientOfTheirEnergy) {
 // What a kind without addForces() of its own pushes with is what springs at rest push with.
 TEST(PairForces, PushAsTheirGradientsSay) {
   JoinedBricks sheet(test::openSheet(2, 0.6));
-  std::vector<model::HingeSpring> springs;
-  for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
+  std::vector<brick::HingeSpring> springs;
+  for (const brick::Hinge& hinge : brick::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
     springs.push_back({hinge, 2, hinge.start + 0.3, 0});
   }
   std::vector<Vector6> expected(4, Vector6::Zero()), found(4, Vector6::Zero());
-  model::HingeSprings(springs).addForces(sheet.motion, expected);
+  brick::HingeSprings(springs).addForces(sheet.motion, expected);
   FromDerivatives(springs).addForces(sheet.motion, found);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((expected[i] - found[i]).norm(), 1e-15) << i;
   EXPECT_GT(expected[0].norm(), 0.5);
 }
 
 TEST(PairForces, AreLeftOutWithoutPairs) {
-  model::PairForces forces;
+  brick::PairForces forces;
   forces.add(nullptr);
-  forces.add(std::make_shared<model::Ligaments>(std::vector<model::Ligament>{}));
+  forces.add(std::make_shared<brick::Ligaments>(std::vector<brick::Ligament>{}));
   EXPECT_TRUE(forces.empty());
   EXPECT_FALSE(forces.replaceJoints());
   forces.add(std::make_shared<CentreSpring>(0, 1, 1, 1));
   EXPECT_FALSE(forces.replaceJoints());
-  forces.add(std::make_shared<model::Ligaments>(std::vector<model::Ligament>(1)));
+  forces.add(std::make_shared<brick::Ligaments>(std::vector<brick::Ligament>(1)));
   EXPECT_TRUE(forces.replaceJoints());
-  EXPECT_TRUE(model::hingeSpringsOf(forces).empty());
-  EXPECT_EQ(model::ligamentsOf(forces).size(), 1u);
+  EXPECT_TRUE(brick::hingeSpringsOf(forces).empty());
+  EXPECT_EQ(brick::ligamentsOf(forces).size(), 1u);
 }
 
 }  // namespace

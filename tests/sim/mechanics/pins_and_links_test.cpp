@@ -44,8 +44,8 @@ TEST(PinnedBricks, StayWhereTheyAre) {
   const auto solver = pair.solver(false);
   solver->setPinned({true, false, false, false});
   const Pose before = pair.motion.poses[0];
-  const auto push = [](const Poses&, std::vector<model::Load>& loads) {
-    for (model::Load& load : loads) load.force << 3, -2, 1, 0.5, 0.1, 1;
+  const auto push = [](const Poses&, std::vector<brick::Load>& loads) {
+    for (brick::Load& load : loads) load.force << 3, -2, 1, 0.5, 0.1, 1;
   };
   for (int i = 0; i < 100; ++i) solver->advance(pair.motion, kStep, push, nullptr);
   EXPECT_EQ(pair.motion.poses[0].position, before.position);
@@ -76,8 +76,8 @@ TEST(PinnedBricks, AreThePivotOfAPendulum) {
 TEST(PinnedBricks, AreFreeAgainOnceUnpinned) {
   JoinedBricks pair(test::openSheet(2, 0.5));
   const auto solver = pair.solver(false);
-  const auto push = [](const Poses&, std::vector<model::Load>& loads) {
-    for (model::Load& load : loads) load.force << 1, 0, 0, 0, 0, 0;
+  const auto push = [](const Poses&, std::vector<brick::Load>& loads) {
+    for (brick::Load& load : loads) load.force << 1, 0, 0, 0, 0, 0;
   };
   solver->setPinned({true, true, true, true});
   solver->advance(pair.motion, kStep, push, nullptr);
@@ -122,7 +122,7 @@ TEST(FixedJoints, MakeOneBodyOfTwo) {
     const Vector3 between = pair.motion.poses[1].position - pair.motion.poses[0].position;
     // A force at the middle of the second brick: the pair turns as one about its common centre,
     // with both inertias and twice m (1.5 / 2)^2.
-    const auto push = [](const Poses&, std::vector<model::Load>& loads) {
+    const auto push = [](const Poses&, std::vector<brick::Load>& loads) {
       loads[0] = loads[1] = {};
       loads[1].force[1] = 6;
     };

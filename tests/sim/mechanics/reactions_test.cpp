@@ -177,7 +177,7 @@ Eigen::MatrixXd denseRows(const JoinedBricks& sheet, const std::vector<bool>& pi
   const auto rows = static_cast<Eigen::Index>(3 * sheet.pivots.size());
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, columns);
   for (std::size_t p = 0; p < sheet.pivots.size(); ++p) {
-    const model::Pivot& pivot = sheet.pivots[p];
+    const brick::Pivot& pivot = sheet.pivots[p];
     const auto put = [&](int brick, const Vector3& point, double sign) {
       if (pinned[static_cast<std::size_t>(brick)]) return;
       Eigen::Matrix<double, 3, 6> block;
@@ -322,8 +322,8 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
     dynamics->setPinned(pinned);
     dynamics->setJointStiffness(stiffness);
     Motion motion = sheet.motion;
-    const mechanics::LoadSource pulled = [&](const Poses& poses, std::vector<model::Load>& loads) {
-      for (model::Load& load : loads) {
+    const mechanics::LoadSource pulled = [&](const Poses& poses, std::vector<brick::Load>& loads) {
+      for (brick::Load& load : loads) {
         load = {};
         load.damping.diagonal().setConstant(20);
       }
@@ -339,10 +339,10 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       loads.back().force.tail<3>() += arm.cross(pull);
     };
     for (int step = 0; step < 400; ++step) dynamics->advance(motion, 0.5, pulled, nullptr);
-    std::vector<model::Load> loads(sheet.bricks.size());
+    std::vector<brick::Load> loads(sheet.bricks.size());
     pulled(motion.poses, loads);
     std::vector<Vector6> applied;
-    for (const model::Load& load : loads) applied.push_back(load.force);
+    for (const brick::Load& load : loads) applied.push_back(load.force);
     const auto solver = reactionSolver(sheet, planar);
     const mechanics::Reactions springs = solver->solve(motion, applied, pinned, stiffness);
     const mechanics::Reactions exact = solver->solve(motion, applied, pinned, kExact);

@@ -28,7 +28,7 @@ class StandstillTest : public testing::Test {
 
   mechanics::Standstill standstill_;
   Motion motion_ = {Poses(2), std::vector<Velocity>(2)};
-  std::vector<model::Load> loads_ = std::vector<model::Load>(2);
+  std::vector<brick::Load> loads_ = std::vector<brick::Load>(2);
 };
 
 TEST_F(StandstillTest, WhatFailedInHalvesIsNotTriedAgain) {

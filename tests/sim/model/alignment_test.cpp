@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -81,7 +81,7 @@ TEST(BestRigidMotion, OnePointNeedsNoTurn) {
 }
 
 TEST(Alignment, NothingToDoWithoutTarget) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   model.target.reset();
   const model::RigidMotion motion = model::alignStartToTarget(model);
   EXPECT_EQ(motion.rotation, Matrix3::Identity());
@@ -89,7 +89,7 @@ TEST(Alignment, NothingToDoWithoutTarget) {
 }
 
 TEST(Alignment, BringsTheStartOntoAMovedTarget) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   std::vector<model::Tile> target = model.tiles;
   for (model::Tile& tile : target) tile.vertices = moved(someMotion(), tile.vertices);
   model.target = target;
@@ -104,10 +104,10 @@ TEST(Alignment, BringsTheStartOntoAMovedTarget) {
 
 TEST(Alignment, FlatSheetIsNeverFlippedOver) {
   // The best motion in space onto a mirrored sheet turns it over; on the table it may not.
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 2;
-  model::Model model = model::makeTessellation(shape);
+  model::Model model = generate::makeTessellation(shape);
   for (model::Tile& tile : *model.target) {
     for (Vector3& vertex : tile.vertices) vertex = Vector3(-vertex.x(), vertex.y(), 2);
   }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "tests/sim/model/polygons.h"
+#include "tests/support/polygons.h"
 
 namespace kirireel {
 namespace {

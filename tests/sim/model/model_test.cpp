@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -29,11 +29,11 @@ TEST(Tile, NormalTurnsWithTheOrderAndTheTile) {
 }
 
 TEST(Model, SizesOfAClosedSheet) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 4;
   shape.length = 2;
-  const model::Model model = model::makeTessellation(shape);
+  const model::Model model = generate::makeTessellation(shape);
   EXPECT_DOUBLE_EQ(model::modelSize(model), std::hypot(6.0, 4.0));
   EXPECT_DOUBLE_EQ(model::tileSize(model), 1.5);
   EXPECT_EQ(model::modelSize(model::Model{}), 0);

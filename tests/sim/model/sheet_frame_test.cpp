@@ -5,18 +5,19 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/formats/joint_faces.h"
+#include "sim/formats/tile_checks.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
-#include "sim/model/model_checks.h"
 
 namespace kirireel {
 namespace {
 
 model::Model sheet() {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 2;
-  return model::makeTessellation(shape);
+  return generate::makeTessellation(shape);
 }
 
 void place(const model::RigidMotion& motion, std::vector<model::Tile>& tiles) {
@@ -88,12 +89,12 @@ TEST(SheetFrames, TurnOneClockwiseTileInAnyPlane) {
     model::Model model = whole;
     std::ranges::reverse(model.tiles[4].vertices);
     std::ranges::reverse((*model.target)[4].vertices);
-    model::TileTable table;
+    formats::TileTable table;
     table.file = "vertices.txt";
     table.tiles = model.tiles;
     for (int line = 1; line <= 6; ++line) table.sources.push_back({line, {}});
     std::vector<std::string> warnings;
-    model::turnClockwiseTiles(table, model, warnings);
+    formats::turnClockwiseTiles(table, model, warnings);
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_EQ(warnings[0],
               "vertices.txt:5: repaired: 1 of 6 tiles runs clockwise seen from the side of most "
@@ -142,7 +143,7 @@ TEST(SheetFrames, OutlinesInAnyPlaneHaveTheSameCorners) {
 TEST(SheetFrames, JointsInAnyPlaneAreThroughTheThickness) {
   std::mt19937 random(5);
   model::Model model = placed(sheet(), randomMotion(random));
-  model::chooseJointFaces(model, model::FaceRule::Fold);
+  formats::chooseJointFaces(model, formats::FaceRule::Fold);
   for (const model::Joint& joint : model.joints) EXPECT_EQ(joint.face, model::JointFace::Both);
 }
 

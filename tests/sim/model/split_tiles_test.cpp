@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/convex_parts.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -27,9 +27,9 @@ double opening(const model::Model& model, const std::vector<model::Tile>& tiles)
 }
 
 TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.length = 2;
-  const model::Model whole = model::makeTessellation(shape);
+  const model::Model whole = generate::makeTessellation(shape);
   const model::Model split = model::splitTiles(whole, {});
   EXPECT_EQ(split.tiles.size(), 32U);
   EXPECT_EQ(split.joints.size(), 24U + 2 * 16);
@@ -42,7 +42,7 @@ TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
 }
 
 TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
-  model::Model whole = model::makeTessellation({});
+  model::Model whole = generate::makeTessellation({});
   whole.hull.emplace();
   for (int tile = 0; tile < 4; ++tile) {
     for (int vertex = 0; vertex < 4; ++vertex) whole.hull->push_back({tile, vertex});
@@ -72,7 +72,7 @@ TEST(SplitTiles, QuadIsCutAlongItsShorterDiagonal) {
 }
 
 TEST(SplitTiles, OnlyTheGivenTilesAreSplit) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   model.pulledTiles = std::vector<int>{3};
   const model::Model split = model::splitTiles(model, {3, 8});
   EXPECT_EQ(split.tiles.size(), 18U);

@@ -6,17 +6,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
 
 model::Model sheet(int columns, int rows) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
-  return model::makeTessellation(shape);
+  return generate::makeTessellation(shape);
 }
 
 Poses randomPoses(std::size_t count, unsigned seed) {

@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/refusal.h"
 
@@ -65,7 +65,7 @@ TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
     EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
     EXPECT_THAT(run.reason, HasSubstr("the path ends when the tiles meet again: "));
     const std::vector<model::Tile> end =
-        model::bottomTiles(run.trajectory.bricks, run.trajectory.samples.back().poses);
+        brick::bottomTiles(run.trajectory.bricks, run.trajectory.samples.back().poses);
     EXPECT_LE(distanceAtBest(end, *model.target), 1e-6 * tile) << model.name;
     EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile) << model.name;
     EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile) << model.name;
@@ -77,23 +77,23 @@ std::string refusal(const scene::Scene& scene) {
 }
 
 TEST(Closing, RefusesSheetsWithoutOneMotion) {
-  model::Model chain = model::makeTessellation({});
+  model::Model chain = generate::makeTessellation({});
   chain.joints.resize(chain.joints.size() - 3);
   EXPECT_THAT(refusal(closing(chain)),
               HasSubstr("error: `to = closed` needs a sheet with one motion, but this sheet has "));
-  model::Model loose = model::makeTessellation({});
+  model::Model loose = generate::makeTessellation({});
   loose.joints.clear();
   EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: `to = closed`"));
 }
 
 TEST(Closing, RefusesWhatItDoesNotFollow) {
-  scene::Scene falling = closing(model::makeTessellation({}));
+  scene::Scene falling = closing(generate::makeTessellation({}));
   falling.environment.gravity = {0, 0, -9.81};
   EXPECT_THAT(
       refusal(falling),
       HasSubstr(
           "error: `to = closed` supports kinematic scenes only, but there is gravity. Remove it"));
-  scene::Scene dynamic = closing(model::makeTessellation({}));
+  scene::Scene dynamic = closing(generate::makeTessellation({}));
   dynamic.path.kind = scene::PathKind::Dynamic;
   EXPECT_EQ(
       refusal(dynamic),
@@ -102,7 +102,7 @@ TEST(Closing, RefusesWhatItDoesNotFollow) {
   parts.targets = {"other"};
   scene::Scene scene = scene::openScene();
   scene.path.to = scene::Destination::Closed;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   std::vector<std::string> warnings;
   EXPECT_THAT([&] { scene::completeScene(parts, scene, warnings); },
               testing::ThrowsMessage<InputError>(

@@ -11,9 +11,9 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 #include "sim/run/geometric_path.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/scene/scene_needs.h"
@@ -36,7 +36,7 @@ scene::Scene cylinder() {
 }
 
 scene::Scene squares() {
-  return sceneOf(model::makeTessellation({}));
+  return sceneOf(generate::makeTessellation({}));
 }
 
 TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
@@ -58,7 +58,7 @@ TEST(Continuation, IsPlayedAtAnEvenPaceForItsTime) {
   scene.path.playTime = 3;
   const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
   const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   ASSERT_EQ(samples.size(), 61u);
   EXPECT_DOUBLE_EQ(samples.back().time, 3);
   std::vector<double> moves;
@@ -200,9 +200,9 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
 /// diagonals in two lines.
 TEST(Continuation, WithoutATargetEndsAtFullExtension) {
   for (const int side : {4, 10, 40}) {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = side;
-    model::Model model = model::makeTessellation(shape);
+    model::Model model = generate::makeTessellation(shape);
     model.target.reset();
     const scene::Scene scene = sceneOf(std::move(model));
     const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
@@ -303,7 +303,7 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
 
 /// Two squares side by side that are joined at a corner; in the target one lies across the other.
 model::Model foldedIntoEachOther() {
-  model::Model model = model::makeTessellation({.columns = 2, .rows = 1});
+  model::Model model = generate::makeTessellation({.columns = 2, .rows = 1});
   const model::Corner joint = model.joints.front().a;
   const Vector3 pivot = model.tiles[joint.tile].vertices[joint.vertex];
   const Vector3 from = model::tileCentroid(model.tiles[1 - joint.tile]) - pivot;
@@ -327,7 +327,7 @@ TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
 
 /// A target whose upper half is moved away. Joints cannot be closed there.
 scene::Scene openTargetSquares(double distance) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += distance;
   }
@@ -352,9 +352,9 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
     for (Vector3& vertex : tile.vertices) vertex = 100 * vertex;
   }
   const run::AssembledState nearest = run::assembleAtTarget(scene);
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const double atStart = trajectory::targetError(*scene.model.target, bricks,
-                                                 model::startPoses(scene.model.tiles, bricks));
+                                                 brick::startPoses(scene.model.tiles, bricks));
   EXPECT_LE(nearest.error, atStart);
 }
 
@@ -415,7 +415,7 @@ TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
   scene.environment.contacts = scene::ContactFilter::None;
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_THAT(run.reason, testing::StrEq("the path ends at full extension"));
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
   // Measured: 0.7 tiles.
   EXPECT_GT(run::pathDistance(bricks, samples.front().poses, samples.back().poses),
@@ -446,7 +446,7 @@ TEST(Continuation, ReportsThatBricksHaveNoRoomAtFullExtension) {
 
 /// Two equal sheets and a loose tile: each sheet ends as without the others, and the tile stays.
 TEST(Continuation, ExtendsEachPieceIndependently) {
-  model::Model one = model::makeTessellation({});
+  model::Model one = generate::makeTessellation({});
   one.target.reset();
   const std::size_t count = one.tiles.size();
   model::Model all = one;
@@ -477,8 +477,8 @@ TEST(Continuation, ExtendsEachPieceIndependently) {
     EXPECT_NEAR(distance(together, 0, i), distance(single, 0, i), 1e-6 * tile);
     EXPECT_NEAR(distance(together, count, count + i), distance(single, 0, i), 1e-6 * tile);
   }
-  const std::vector<model::Brick> bricks = model::makeBricks(all.tiles, sceneOf(all).brick);
-  EXPECT_LE((model::bottomTiles(bricks, together).back().vertices[0] - all.tiles.back().vertices[0])
+  const std::vector<brick::Brick> bricks = brick::makeBricks(all.tiles, sceneOf(all).brick);
+  EXPECT_LE((brick::bottomTiles(bricks, together).back().vertices[0] - all.tiles.back().vertices[0])
                 .norm(),
             1e-9 * tile);
 }

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/formats/read_model.h"
 #include "sim/model/isometry.h"
-#include "sim/model/read_model.h"
 #include "sim/scene/scene_needs.h"
 #include "tests/support/files.h"
 
@@ -106,7 +106,7 @@ void expectFoldsOnTheirSides(const LetteredSheet& sheet, const Quaternion& turn)
   folder.write("sheet.fold", sheet.text(turn));
   scene::Scene scene = scene::openScene();
   std::vector<std::string> warnings;
-  scene.model = model::readModel(folder / "sheet.fold", std::nullopt, warnings);
+  scene.model = formats::readModel(folder / "sheet.fold", std::nullopt, warnings);
   ASSERT_TRUE(scene.model.target);
   const model::RigidMotion aligned = model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 #include "sim/path/path_choice.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/forces.h"
@@ -28,10 +28,10 @@ using ::testing::StartsWith;
 /// height, so a straight pull must first move away from the target.
 scene::Scene closedToClosed() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
   shape.targetAngle = 3.14159265358979323846;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.springs.springStiffness = 400;  // place counts more than turn
   scene.springs.torqueStiffness = 10;
   return scene;
@@ -40,10 +40,10 @@ scene::Scene closedToClosed() {
 /// Two squares side by side, joined at a corner, whose targets are pulled apart by `distance`.
 scene::Scene pulledApart(double distance) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   const Vector3 away(0.5 * distance, 0, 0);
   scene.model.target = scene.model.tiles;
   for (Vector3& vertex : (*scene.model.target)[0].vertices) vertex -= away;
@@ -71,7 +71,7 @@ TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
   // Half of the sheet's tiles are 1 m off at the target: the state of rest shares that in squares,
   // and leaves the tiles at the tear farther off than the rest.
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   model::alignStartToTarget(scene.model);
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*scene.model.target)[i].vertices) vertex.x() += 1;
@@ -81,10 +81,10 @@ TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
   // The two halves' vertices at the tear are 1 m apart: one of them stays half of that away.
   EXPECT_GE(nearest.error, 0.5 - 1e-9);
   EXPECT_LT(nearest.error, 0.95 * nearest.restError);  // measured 0.546 of 0.597
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   EXPECT_DOUBLE_EQ(trajectory::targetError(*scene.model.target, bricks, nearest.poses),
                    nearest.error);
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   EXPECT_LT(trajectory::jointGap(pivots, nearest.poses).max, 1e-9);
 }
 
@@ -96,7 +96,7 @@ TEST(AssembledError, IsNegativeWithoutTarget) {
 
 TEST(Path, AStraightPullIsKeptWhereItArrives) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(result.pathReason, "straight pull arrives");
@@ -175,7 +175,7 @@ TEST(Path, EqualJointRatiosOpenJointsEquallyForAnyMass) {
   const auto openingOf = [](double density) {
     scene::Scene scene = closedToClosed();
     scene.springs = {};
-    scene.brick.mass = model::MassRule::Prism;
+    scene.brick.mass = brick::MassRule::Prism;
     scene.brick.density = density;
     scene.environment.contacts = scene::ContactFilter::None;
     scene.path.kind = scene::PathKind::Guided;
@@ -404,7 +404,7 @@ void disturb(std::vector<model::Tile>& tiles, double size,
 
 TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.model.target.reset();
   scene.actuation.drive = scene::Drive::Expansion;
   EXPECT_EQ(deploy::deploy(scene, 1.0 / 60, nullptr).pathReason, "there is no target");
@@ -423,7 +423,7 @@ TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
 TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
   for (const double size : {1e-7, 1e-5, 1e-3}) {
     scene::Scene scene;
-    scene.model = model::makeTessellation({});
+    scene.model = generate::makeTessellation({});
     std::mt19937 generator(1);
     const auto random = [&](const Vector3&) {
       return static_cast<double>(generator()) / 2147483648.0 - 1.0;

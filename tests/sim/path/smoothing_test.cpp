@@ -10,7 +10,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/path/banded_program.h"
 #include "sim/path/near_gaps.h"
 #include "sim/trajectory/measures.h"
@@ -108,10 +108,10 @@ TEST(BandedProgram, IsEmptyWithoutADefiniteHessian) {
 /// A row of squares of 1 m, each joined to the next at a corner.
 scene::Scene row(int squares) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = squares;
   shape.rows = 1;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene::fillFromModel(scene);
   return scene;
 }
@@ -119,13 +119,13 @@ scene::Scene row(int squares) {
 struct Squares {
   explicit Squares(int count)
       : scene(row(count)),
-        bricks(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots(model::makePivots(scene.model.joints, bricks)),
-        start(model::startPoses(scene.model.tiles, bricks)) {}
+        bricks(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots(brick::makePivots(scene.model.joints, bricks)),
+        start(brick::startPoses(scene.model.tiles, bricks)) {}
 
   scene::Scene scene;
-  std::vector<model::Brick> bricks;
-  std::vector<model::Pivot> pivots;
+  std::vector<brick::Brick> bricks;
+  std::vector<brick::Pivot> pivots;
   Poses start;
 };
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 #include "sim/path/path_choice.h"
 #include "sim/scene/scene_needs.h"
 
@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 
 scene::Scene sheet() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   model::alignStartToTarget(scene.model);
   return scene;
 }
@@ -35,7 +35,7 @@ scene::Scene openTargetSheet(double distance) {
 /// The sheet with its target seen in a mirror, face down.
 scene::Scene mirroredSheet() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.x() = -vertex.x();
   }

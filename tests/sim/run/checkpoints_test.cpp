@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -110,11 +110,11 @@ void expectResumedAt(const std::vector<std::size_t>& samples, const scene::Scene
 
 scene::Scene sheetScene(int columns, double startAngle, double targetAngle) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = columns;
   shape.startAngle = startAngle;
   shape.targetAngle = targetAngle;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.path.kind = scene::PathKind::Straight;
   return scene;
 }

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/dynamics.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/trajectory/measures.h"
@@ -44,7 +44,7 @@ scene::Scene blockOnSlope(double angle, double friction) {
 TEST(DirectDynamics, KeepsItsOwnBricks) {
   const scene::Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1)}, 0.2);
   Moving kept(scene), changed(scene);
-  for (model::Brick& brick : changed.bricks) brick.mass *= 100;
+  for (brick::Brick& brick : changed.bricks) brick.mass *= 100;
   kept.advance(10, {1, 0, 0});
   changed.advance(10, {1, 0, 0});
   EXPECT_EQ(kept.motion.poses[0].position, changed.motion.poses[0].position);
@@ -137,7 +137,7 @@ scene::Scene headOn(double widthA, double widthB) {
   scene::Scene scene = looseBricks(
       {rectangle({0, -0.5 * widthA, 0}, 1, widthA), rectangle({1.5, -0.5 * widthB, 0}, 1, widthB)},
       0.1);
-  scene.brick.mass = model::MassRule::Prism;
+  scene.brick.mass = brick::MassRule::Prism;
   return scene;
 }
 
@@ -252,11 +252,11 @@ TEST(Heap, FallsWithoutOverlap) {
 
 /// The turn rate of two joined free squares after some steps, from 1.4 rad open and opening.
 double turnRate(bool planar, scene::ContactFilter contacts, int steps) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
   shape.startAngle = 1.4;
-  const model::Model model = model::makeTessellation(shape);
+  const model::Model model = generate::makeTessellation(shape);
   scene::Scene scene = looseBricks(model.tiles, 0.02);
   scene.model.joints = model.joints;
   scene.solver.planar = planar;
@@ -370,14 +370,14 @@ void expectHeld(const Squeeze& result) {
 }
 
 TEST(UnreachableTarget, ContactsHoldSquaresThatShouldTurnThroughEachOther) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   for (const bool planar : {true, false}) {
     for (const double start : {0.0, 0.5}) {
       SCOPED_TRACE(start);
       scene::Scene scene;
       shape.startAngle = start;
-      scene.model = model::makeTessellation(shape);
-      scene.model.target = model::tessellationTiles(shape, -0.4);
+      scene.model = generate::makeTessellation(shape);
+      scene.model.target = generate::tessellationTiles(shape, -0.4);
       scene.solver.planar = planar;
       expectHeld(squeeze(scene, 120));
     }
@@ -390,7 +390,7 @@ TEST(UnreachableTarget, ContactsHoldTilesThatShouldSqueezeTogether) {
   for (const bool planar : {true, false}) {
     scene::Scene scene;
     std::vector<std::string> warnings;
-    scene.model = model::readModelFolder(folder, warnings);
+    scene.model = formats::readModelFolder(folder, warnings);
     scene.model.target = scene.model.tiles;
     for (model::Tile& tile : *scene.model.target) {
       const Vector3 shift = -0.3 * model::tileCentroid(tile);
@@ -403,10 +403,10 @@ TEST(UnreachableTarget, ContactsHoldTilesThatShouldSqueezeTogether) {
 
 /// A planar sheet on the ground, loose from targets.
 scene::Scene sheetOnGround(double friction) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = 0.6;
   scene::Scene scene;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.model.target.reset();
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.environment.gravity = {0, 0, -kGravity};

@@ -48,8 +48,8 @@ struct Running : Moving {
   }
 
   void run(int calls) {
-    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
-      std::ranges::fill(loads, model::Load{});
+    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<brick::Load>& loads) {
+      std::ranges::fill(loads, brick::Load{});
     };
     for (int call = 0; call < calls; ++call) dynamics->advanceToTolerance(motion, kCall, none);
   }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/model.h"
 #include "sim/run/forces.h"
 
@@ -12,21 +12,21 @@ namespace kirireel {
 namespace {
 
 TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
-  const model::Model model = model::makeTessellation({});
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  const Poses poses = model::startPoses(model.tiles, bricks);
+  const model::Model model = generate::makeTessellation({});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  const Poses poses = brick::startPoses(model.tiles, bricks);
   scene::TargetSpringSettings settings = scene::paperSprings();
   settings.springStiffness = 3;
   Vector3 centre = Vector3::Zero();  // bricks of one mass
   for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
   const run::Expansion expansion(bricks, std::vector<int>(bricks.size()), settings);
-  std::vector<model::Load> loads(poses.size());
+  std::vector<brick::Load> loads(poses.size());
   expansion.addLoads(poses, loads);
   std::vector<Vector3> forces(poses.size(), Vector3::Zero());
   expansion.addFreeForces(poses, forces);
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const model::Load& load = loads[i];
+    const brick::Load& load = loads[i];
     const Vector3 expected = 3 * (poses[i].position - centre);
     EXPECT_LT((load.force.head<3>() - expected).norm(), 1e-14);
     EXPECT_EQ(Vector3(load.force.head<3>()), forces[i]);
@@ -41,12 +41,12 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
 
 TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
   // A brick that is far away from the centre of a triangle and two squares.
-  std::vector<model::Tile> tiles = model::makeTessellation({2, 1}).tiles;
+  std::vector<model::Tile> tiles = generate::makeTessellation({2, 1}).tiles;
   tiles.push_back({{{5, 0, 0}, {7, 0, 0}, {5, 2, 0}}});
-  const std::vector<model::Brick> bricks =
-      model::makeBricks(tiles, {0.1, model::MassRule::Prism, 700});
-  const Poses poses = model::startPoses(tiles, bricks);
-  std::vector<model::Load> loads(poses.size());
+  const std::vector<brick::Brick> bricks =
+      brick::makeBricks(tiles, {0.1, brick::MassRule::Prism, 700});
+  const Poses poses = brick::startPoses(tiles, bricks);
+  std::vector<brick::Load> loads(poses.size());
   run::Expansion(bricks, std::vector<int>(bricks.size()), {}).addLoads(poses, loads);
   const double rate =
       std::pow(2 * std::numbers::pi * scene::TargetSpringSettings{}.frequency, 2) / 4;
@@ -67,7 +67,7 @@ TEST(PointSpring, IsTheGradientOfItsEnergy) {
   // Force and torque against differences of k/2 |anchor - point|^2.
   const run::PointSpring spring = {Vector3(0.3, -0.2, 0.1), Vector3(1, 2, 3), 40, 0};
   Pose pose{Vector3(0.5, 0.1, -0.4), rotationFromVector(Vector3(0.4, -0.7, 0.2))};
-  model::Load load;
+  brick::Load load;
   run::addPointSpring(spring, pose, load);
   const auto energy = [&](const Vector6& move) {
     const Pose moved{pose.position + move.head<3>(),
@@ -83,9 +83,9 @@ TEST(PointSpring, IsTheGradientOfItsEnergy) {
 }
 
 TEST(Outline, OfASheetIsItsConvexHull) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  const model::Model sheet = model::makeTessellation(shape);  // closed: a square of side 3
+  const model::Model sheet = generate::makeTessellation(shape);  // closed: a square of side 3
   const std::vector<model::Corner> outline = model::outlineCorners(sheet.tiles);
   EXPECT_EQ(outline.size(), 12u);
   // Anticlockwise: the polygon's area is the sheet's.
@@ -101,11 +101,11 @@ TEST(Outline, OfASheetIsItsConvexHull) {
 }
 
 TEST(BoundarySprings, PullHullCornersToTheCurve) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  const model::Model sheet = model::makeTessellation(shape);
-  const std::vector<model::Brick> bricks = model::makeBricks(sheet.tiles, {});
-  const Poses poses = model::startPoses(sheet.tiles, bricks);
+  const model::Model sheet = generate::makeTessellation(shape);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(sheet.tiles, {});
+  const Poses poses = brick::startPoses(sheet.tiles, bricks);
   scene::TargetSpringSettings settings;
   Vector3 middle = Vector3::Zero();  // of the middle tile
   for (const Vector3& vertex : sheet.tiles[4].vertices) middle += vertex / 4;
@@ -118,21 +118,21 @@ TEST(BoundarySprings, PullHullCornersToTheCurve) {
     EXPECT_NEAR(std::hypot(arm.x() / (3 * radius), arm.y() / (2 * radius)), 1, 1e-12);
   }
   // The middle tile is no part of the hull, a corner tile is pulled outwards along the diagonal.
-  std::vector<model::Load> loads(poses.size());
+  std::vector<brick::Load> loads(poses.size());
   circle.addLoads(poses, loads);
   EXPECT_TRUE(loads[4].force.isZero(0));
-  const model::Load& corner = loads[0];
+  const brick::Load& corner = loads[0];
   EXPECT_LT(corner.force[0], -1);
   EXPECT_NEAR(corner.force[0], corner.force[1], 1e-9);
 }
 
 TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
-  model::Model sheet = model::makeTessellation({});
+  model::Model sheet = generate::makeTessellation({});
   sheet.hull = std::vector<model::Corner>{{0, 0}, {3, 1}, {15, 2}};
-  const std::vector<model::Brick> bricks = model::makeBricks(sheet.tiles, {});
-  const Poses poses = model::startPoses(sheet.tiles, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(sheet.tiles, {});
+  const Poses poses = brick::startPoses(sheet.tiles, bricks);
   const run::BoundarySprings springs(sheet, bricks, {}, {2, 1});
-  std::vector<model::Load> loads(poses.size());
+  std::vector<brick::Load> loads(poses.size());
   springs.addLoads(poses, loads);
   EXPECT_FALSE(loads[15].force.isZero(0));
   EXPECT_TRUE(loads[12].force.isZero(0));

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/sim/run/moving.h"
 #include "tests/support/physics.h"
@@ -38,13 +38,13 @@ struct Sheet {
 
 scene::Scene sceneOf(const Sheet& sheet, double tolerance) {
   Numbers numbers(sheet.seed);
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = sheet.side;
   shape.startAngle = 0.6 + 0.3 * numbers.next();
   scene::Scene scene;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.model.target.reset();
-  scene.brick = {.thickness = 0.1, .mass = model::MassRule::Unit};
+  scene.brick = {.thickness = 0.1, .mass = brick::MassRule::Unit};
   scene.hinges.stiffness = sheet.stiffness;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.actuation.drive = scene::Drive::None;
@@ -76,8 +76,8 @@ Energies energiesOf(const Sheet& sheet, double tolerance, int calls) {
     for (const auto& force : ties.pairForces) sum += force->energy(run.motion.poses);
     return sum;
   };
-  const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
-    std::ranges::fill(loads, model::Load{});
+  const mechanics::TimedLoads none = [](double, const Poses&, std::vector<brick::Load>& loads) {
+    std::ranges::fill(loads, brick::Load{});
   };
   const double start = energy();
   Energies result;

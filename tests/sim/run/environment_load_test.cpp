@@ -5,15 +5,15 @@
 namespace kirireel {
 namespace {
 
-model::Brick flatBrick() {
-  return model::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}},
-                          {0.5, model::MassRule::Prism, 2});
+brick::Brick flatBrick() {
+  return brick::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}},
+                          {0.5, brick::MassRule::Prism, 2});
 }
 
 /// What the environment adds to the load of a brick.
-model::Load added(const scene::Environment& environment, const model::Brick& brick,
-                  const Pose& pose, const model::Load& before = {}) {
-  std::vector<model::Load> loads = {before};
+brick::Load added(const scene::Environment& environment, const brick::Brick& brick,
+                  const Pose& pose, const brick::Load& before = {}) {
+  std::vector<brick::Load> loads = {before};
   run::addEnvironmentLoads(environment, {&brick, 1}, {pose}, loads);
   return loads.front();
 }
@@ -21,9 +21,9 @@ model::Load added(const scene::Environment& environment, const model::Brick& bri
 TEST(EnvironmentLoad, GravityPullsByMass) {
   scene::Environment environment;
   environment.gravity = {1, 2, -10};
-  model::Load pushed;
+  brick::Load pushed;
   pushed.force.setOnes();
-  const model::Load load = added(environment, flatBrick(), {}, pushed);
+  const brick::Load load = added(environment, flatBrick(), {}, pushed);
   Vector6 expected;
   expected << 4, 7, -29, 1, 1, 1;  // 3 kg
   EXPECT_LT((load.force - expected).norm(), 1e-12);
@@ -35,9 +35,9 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
   scene::Environment environment;
   environment.linearDamping = 0.3;
   environment.angularDamping = 0.6;
-  const model::Brick brick = flatBrick();
+  const brick::Brick brick = flatBrick();
   const Pose pose{Vector3(1, 2, 3), rotationFromVector({0.4, -1, 0.3})};
-  const model::Load load = added(environment, brick, pose);
+  const brick::Load load = added(environment, brick, pose);
   const Matrix3 R = pose.rotation.toRotationMatrix();
   Matrix6 mass = Matrix6::Zero();
   mass.topLeftCorner<3, 3>().diagonal().setConstant(brick.mass);
@@ -51,7 +51,7 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
 TEST(EnvironmentLoad, NoneAsksForNothing) {
   scene::Environment environment;
   environment.linearDamping = environment.angularDamping = 0;
-  const model::Load load = added(environment, flatBrick(), {});
+  const brick::Load load = added(environment, flatBrick(), {});
   EXPECT_EQ(load.force, Vector6::Zero());
   EXPECT_EQ(load.damping, Matrix6::Zero());
 }

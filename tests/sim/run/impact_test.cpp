@@ -43,8 +43,8 @@ struct Falling : Moving {
     return scene;
   }
   void advance() {
-    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
-      std::ranges::fill(loads, model::Load{});
+    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<brick::Load>& loads) {
+      std::ranges::fill(loads, brick::Load{});
     };
     report += dynamics->advanceToTolerance(motion, kCall, none);
     time += kCall;
@@ -82,7 +82,7 @@ AngleState rungeKutta(const AngleState& y, double h, const Acceleration& acceler
 /// 2 from then on, b its tilt, and its centre falls straight down.
 class TiltedFall {
  public:
-  TiltedFall(const model::Brick& brick, double side, double height, double tilt, double drop)
+  TiltedFall(const brick::Brick& brick, double side, double height, double tilt, double drop)
       : mass_(brick.mass),
         inertia_(brick.inertia(1, 1)),
         side_(side),
@@ -155,7 +155,7 @@ TEST(Impact, TiltedBrickFallsOnAnEdgeAndOnTheOther) {
 /// Housner, The behavior of inverted pendulum structures during earthquakes, 1963, eq. 4 and 7.
 class RockingCube {
  public:
-  RockingCube(const model::Brick& cube, double tilt)
+  RockingCube(const brick::Brick& cube, double tilt)
       : frequency_(cube.mass * kGravity * kRadius /
                    (cube.inertia(1, 1) + cube.mass * kRadius * kRadius)),
         state_{tilt, 0} {}

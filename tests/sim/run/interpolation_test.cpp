@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/mechanism_path.h"
 #include "sim/run/state_interpolator.h"
 #include "sim/trajectory/measures.h"
@@ -16,10 +16,10 @@ class ExactSheet {
  public:
   explicit ExactSheet(bool inPlane = true)
       : tilt_(inPlane ? Quaternion::Identity() : rotationFromVector({0.3, -0.4, 0.1})) {
-    subject_.model = model::makeTessellation(shape_);
+    subject_.model = generate::makeTessellation(shape_);
     subject_.model.tiles = tilesAt(0);
     subject_.model.target = tilesAt(shape_.targetAngle);
-    subject_.bricks = model::makeBricks(subject_.model.tiles, subject_.brickRule);
+    subject_.bricks = brick::makeBricks(subject_.model.tiles, subject_.brickRule);
   }
 
   const trajectory::Subject& subject() const { return subject_; }
@@ -27,33 +27,33 @@ class ExactSheet {
   trajectory::Sample sample(double angle) const {
     trajectory::Sample sample;
     sample.time = angle;
-    sample.poses = model::startPoses(subject_.model.tiles, subject_.bricks);
+    sample.poses = brick::startPoses(subject_.model.tiles, subject_.bricks);
     for (std::size_t i = 0; i < sample.poses.size(); ++i) {
       const bool isEven = (i / 4 + i % 4) % 2 == 0;
       const Vector3 turn(0, 0, isEven ? -angle / 2 : angle / 2);
       sample.poses[i].rotation = tilt_ * rotationFromVector(turn) * tilt_.conjugate();
     }
-    const std::vector<model::Brick> there = model::makeBricks(tilesAt(angle), subject_.brickRule);
-    const Poses moved = model::startPoses(tilesAt(angle), there);
+    const std::vector<brick::Brick> there = brick::makeBricks(tilesAt(angle), subject_.brickRule);
+    const Poses moved = brick::startPoses(tilesAt(angle), there);
     for (std::size_t i = 0; i < moved.size(); ++i) sample.poses[i].position = moved[i].position;
     return sample;
   }
 
   double gap(const Poses& poses) const {
-    return trajectory::jointGap(model::makePivots(subject_.model.joints, subject_.bricks), poses)
+    return trajectory::jointGap(brick::makePivots(subject_.model.joints, subject_.bricks), poses)
         .max;
   }
 
  private:
   std::vector<model::Tile> tilesAt(double angle) const {
-    std::vector<model::Tile> tiles = model::tessellationTiles(shape_, angle);
+    std::vector<model::Tile> tiles = generate::tessellationTiles(shape_, angle);
     for (model::Tile& tile : tiles) {
       for (Vector3& vertex : tile.vertices) vertex = tilt_ * vertex;
     }
     return tiles;
   }
 
-  model::TessellationShape shape_;
+  generate::TessellationShape shape_;
   Quaternion tilt_;
   trajectory::Subject subject_;
 };

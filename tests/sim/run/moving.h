@@ -22,16 +22,16 @@ inline model::Tile rectangle(const Vector3& corner, double length, double width)
 struct Moving {
   explicit Moving(const scene::Scene& start)
       : scene(start),
-        bricks(model::makeBricks(scene.model.tiles, scene.brick)),
-        motion{model::startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
+        bricks(brick::makeBricks(scene.model.tiles, scene.brick)),
+        motion{brick::startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
         dynamics(run::makeDynamics(scene, scene::sceneNeeds(scene), bricks, motion.poses)) {}
   Moving(const Moving&) = delete;
   Moving& operator=(const Moving&) = delete;
 
   /// Takes steps under the scene's gravity and a constant force on every brick.
   void advance(int steps, const Vector3& force = Vector3::Zero()) {
-    const mechanics::LoadSource loads = [&](const Poses&, std::vector<model::Load>& out) {
-      for (model::Load& load : out) {
+    const mechanics::LoadSource loads = [&](const Poses&, std::vector<brick::Load>& out) {
+      for (brick::Load& load : out) {
         load = {};
         load.force.head<3>() = force;
       }
@@ -55,7 +55,7 @@ struct Moving {
   }
 
   scene::Scene scene;
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   Motion motion;
   std::unique_ptr<run::Dynamics> dynamics;
   int unconverged = 0;

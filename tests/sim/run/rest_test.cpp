@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -17,7 +17,7 @@ using ::testing::StartsWith;
 
 scene::Scene sheet() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   model::alignStartToTarget(scene.model);
   scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 3;
@@ -36,7 +36,7 @@ TEST(Rest, SoftSpringsAreNotAtRest) {
 
 TEST(Rest, HeavyBricksAreNotAtRest) {
   scene::Scene scene = sheet();
-  scene.brick.mass = model::MassRule::Prism;
+  scene.brick.mass = brick::MassRule::Prism;
   scene.brick.density = 1e12;
   scene.springs = scene::paperSprings();
   const run::DeploymentResult result = deploy::deploy(scene, 0.25, nullptr);
@@ -101,7 +101,7 @@ TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
       const trajectory::Energies& end = result.trajectory.samples.back().mechanics->energies;
       // Weight times a tile.
       double scale = 0;
-      for (const model::Brick& brick : result.trajectory.bricks) scale += 9.81 * brick.mass;
+      for (const brick::Brick& brick : result.trajectory.bricks) scale += 9.81 * brick.mass;
       largest = std::max(largest, mostGained(result.trajectory) / scale);
       leastLost = std::min({leastLost, end.impacted / scale, end.integrated() / scale});
     }
@@ -138,9 +138,9 @@ TEST(Rest, ASheetWithoutFreedomIsReported) {
 /// A sheet that is open at its start.
 scene::Scene openSheet() {
   scene::Scene scene = sheet();
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.stop.duration = 20;
   return scene;
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/physics.h"
 
 namespace kirireel {
@@ -17,10 +17,10 @@ using test::kGravity;
 /// A sheet of squares that opens under its springs, by dynamics.
 scene::Scene openingSheet() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::None;
   scene.path.kind = scene::PathKind::Straight;
   scene.springs.adaptive = false;
@@ -267,11 +267,11 @@ TEST(Holds, OfAHangingChainCarryItsWeight) {
 // not known.
 TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 2;
   shape.skew = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = {0, -kGravity, 0};
   scene.environment.linearDamping = scene.environment.angularDamping = 0;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/run_drive.h"
 #include "sim/run/run_motion.h"
 
@@ -17,10 +17,10 @@ using namespace scene::timeline;
 /// A sheet of 2 x 2 squares, a path of which is guided for 1 s.
 scene::Scene ledSheet() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.path.kind = scene::PathKind::Guided;
   scene.path.guideTime = 1;
   return scene;
@@ -74,7 +74,7 @@ TEST(StepClock, StopsAtTheCheckNearestToTheEnd) {
 TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
   const scene::Scene scene = ledSheet();
   const run::SceneBricks bricks(scene);
-  const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
+  const Poses start = brick::startPoses(scene.model.tiles, bricks.bricks);
   run::CurrentTarget target(bricks, {.error = 0.125, .poses = {}, .restError = 0.25});
   EXPECT_EQ(target.tiles(), nullptr);
   EXPECT_EQ(target.error(start), 0);
@@ -93,7 +93,7 @@ TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
 TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
   const scene::Scene scene = ledSheet();
   const run::SceneBricks bricks(scene);
-  const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
+  const Poses start = brick::startPoses(scene.model.tiles, bricks.bricks);
   run::CurrentTarget target(bricks, {.error = 100});
   target.set(nullptr, start);
   EXPECT_TRUE(target.isNearest(target.error(start)));

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
 #include "tests/sim/run/moving.h"
 
@@ -44,7 +44,7 @@ void expectStable(scene::Scene scene, int steps) {
 
 scene::Scene sheet(bool planar, scene::ContactFilter contacts) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.solver.planar = planar;
   scene.environment.contacts = contacts;
   return scene;
@@ -92,7 +92,7 @@ TEST(Stability, OfSheetsInStepsToATolerance) {
 }
 
 std::vector<model::Model> sheetAndCap() {
-  return {model::makeTessellation({.startAngle = 0.3}), generate::makeSphericalCap({.size = 4})};
+  return {generate::makeTessellation({.startAngle = 0.3}), generate::makeSphericalCap({.size = 4})};
 }
 
 scene::Scene undamped(const model::Model& model) {
@@ -122,7 +122,7 @@ TEST(Conservation, OfEnergyUnderUndampedSprings) {
 struct Momenta {
   explicit Momenta(const test::Moving& moving) {
     for (std::size_t i = 0; i < moving.bricks.size(); ++i) {
-      const model::Brick& brick = moving.bricks[i];
+      const brick::Brick& brick = moving.bricks[i];
       const auto& [linear, angular] = moving.motion.velocities[i];
       const auto& [position, rotation] = moving.motion.poses[i];
       const Vector3 own = rotation * (brick.inertia * (rotation.conjugate() * angular));
@@ -149,8 +149,8 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
     moving.dynamics->setTolerance({1e-6, 1.0 / 240, 1.0 / 60});
     moving.motion = pulled.motion();
     const Momenta before(moving);
-    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
-      std::ranges::fill(loads, model::Load{});
+    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<brick::Load>& loads) {
+      std::ranges::fill(loads, brick::Load{});
     };
     StepReport report;
     for (int k = 0; k < 600; ++k) {
@@ -192,7 +192,7 @@ TEST_P(StabilityOfModel, HoldsWithoutContacts) {
   if (!exists(folder)) GTEST_SKIP() << folder << " is not here";
   scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = model::readModelFolder(folder, warnings);
+  scene.model = formats::readModelFolder(folder, warnings);
   scene.environment.contacts = scene::ContactFilter::None;
   expectStable(scene, 60);
 }
@@ -205,7 +205,7 @@ TEST(StabilityOfPartialSphere, HoldsWhereBricksWedge) {
   if (!exists(folder)) GTEST_SKIP() << folder << " is not here";
   scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = model::readModelFolder(folder, warnings);
+  scene.model = formats::readModelFolder(folder, warnings);
   model::alignStartToTarget(scene.model);
   scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.springStiffness = 25;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/forces.h"
 
 namespace kirireel {
@@ -17,7 +17,7 @@ double largestDistance(const std::vector<model::Tile>& a, const std::vector<mode
 }
 
 TEST(TargetGuide, BeginsAtTheStartAndEndsAtTheTarget) {
-  const model::Model model = model::makeTessellation({});
+  const model::Model model = generate::makeTessellation({});
   std::vector<model::Tile> target = *model.target;
   target[3].vertices[1] += Vector3(0.1, -0.05, 0.02);  // no rigid image of its start
   const run::TargetGuide guide(model.tiles, target);
@@ -26,9 +26,9 @@ TEST(TargetGuide, BeginsAtTheStartAndEndsAtTheTarget) {
 }
 
 TEST(TargetGuide, TurnsATileEvenlyAboutItsMiddle) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 1;
-  const std::vector<model::Tile> start = model::makeTessellation(shape).tiles;
+  const std::vector<model::Tile> start = generate::makeTessellation(shape).tiles;
   const auto turnedBy = [&](double angle) {
     std::vector<model::Tile> tiles = start;
     Vector3 middle = Vector3::Zero();
@@ -46,10 +46,10 @@ TEST(TargetGuide, TurnsATileEvenlyAboutItsMiddle) {
 }
 
 TEST(BestFitPoses, PutBricksOntoACongruentTarget) {
-  const model::Model model = model::makeTessellation({});
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const model::Model model = generate::makeTessellation({});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
   const Poses poses = run::bestFitPoses(bricks, *model.target);
-  EXPECT_LT(largestDistance(model::bottomTiles(bricks, poses), *model.target), 1e-14);
+  EXPECT_LT(largestDistance(brick::bottomTiles(bricks, poses), *model.target), 1e-14);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/run/forces.h"
 
 namespace kirireel {
@@ -13,7 +13,7 @@ namespace {
 /// One thick tile and a target that lies turned and shifted.
 struct SpringScene {
   explicit SpringScene(double targetTurn, const scene::TargetSpringSettings& settings = {})
-      : bricks{model::makeBrick(tile(), {0.3, model::MassRule::Unit, 1})},
+      : bricks{brick::makeBrick(tile(), {0.3, brick::MassRule::Unit, 1})},
         target{tile()},
         springs(bricks, turned(target, targetTurn), {}, settings) {}
 
@@ -31,7 +31,7 @@ struct SpringScene {
     return {Vector3(1.7, -0.1, 1.8) + by.head<3>(), rotationFromVector(by.tail<3>()) * start};
   }
 
-  std::vector<model::Brick> bricks;
+  std::vector<brick::Brick> bricks;
   std::vector<model::Tile> target;
   run::TargetSprings springs;
 };
@@ -50,7 +50,7 @@ Value derivative(const Function& function, int coordinate) {
 
 TEST(TargetSprings, ForceIsMinusTheEnergysSlope) {
   const SpringScene scene(0.9);
-  const model::Load load = scene.springs.load(0, SpringScene::displaced(Vector6::Zero()), 3);
+  const brick::Load load = scene.springs.load(0, SpringScene::displaced(Vector6::Zero()), 3);
   for (int k = 0; k < 6; ++k) {
     const double slope = derivative<double>(
         [&](const Vector6& by) { return scene.springs.energy({SpringScene::displaced(by)}, 3); },
@@ -82,10 +82,10 @@ TEST(TargetSprings, StiffnessIsNeverIndefinite) {
 }
 
 TEST(TargetSprings, PullsNothingAtTheTarget) {
-  const std::vector<model::Brick> bricks{model::makeBrick(SpringScene::tile(), {})};
+  const std::vector<brick::Brick> bricks{brick::makeBrick(SpringScene::tile(), {})};
   const std::vector<model::Tile> target{SpringScene::tile()};
   const run::TargetSprings springs(bricks, target, {}, {});
-  const Poses poses = model::startPoses(target, bricks);
+  const Poses poses = brick::startPoses(target, bricks);
   EXPECT_LT(springs.load(0, poses[0], 1).force.norm(), 1e-12);  // measured 3e-14
   EXPECT_LT(springs.energy(poses, 1), 1e-12);                   // measured 9e-14
 }
@@ -108,8 +108,8 @@ TEST(TargetSprings, ForceIsThatOfVertexSprings) {
 TEST(TargetSprings, StiffeningScalesForceAndStiffnessButNotDamping) {
   const SpringScene scene(0.9);
   const Pose pose = SpringScene::displaced(Vector6::Zero());
-  const model::Load soft = scene.springs.load(0, pose, 1);
-  const model::Load stiff = scene.springs.load(0, pose, 16);
+  const brick::Load soft = scene.springs.load(0, pose, 1);
+  const brick::Load stiff = scene.springs.load(0, pose, 16);
   EXPECT_LT((stiff.force - 16 * soft.force).norm(), 1e-9);
   EXPECT_LT((stiff.stiffness - 16 * soft.stiffness).norm(), 1e-9);
   EXPECT_EQ(stiff.damping, soft.damping);
@@ -128,10 +128,10 @@ TEST(TargetSprings, DampingThatIsGivenIsTheSameAboutAllAxes) {
 }
 
 TEST(TargetSprings, OnlyPulledBricksFeelThem) {
-  const model::Model model = model::makeTessellation({2, 1});
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const model::Model model = generate::makeTessellation({2, 1});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
   const run::TargetSprings springs(bricks, *model.target, std::vector<int>{1}, {});
-  const Poses poses = model::startPoses(model.tiles, bricks);
+  const Poses poses = brick::startPoses(model.tiles, bricks);
   EXPECT_EQ(springs.load(0, poses[0], 1).force, Vector6::Zero());
   EXPECT_GT(springs.load(0, poses[0], 1).damping(0, 0), 1);
   EXPECT_GT(springs.load(1, poses[1], 1).force.norm(), 1);
@@ -141,12 +141,12 @@ TEST(TargetSprings, OnlyPulledBricksFeelThem) {
 /// short implicit steps of second order.
 class SwingingBrick {
  public:
-  SwingingBrick(int corners, const model::BrickRule& rule,
+  SwingingBrick(int corners, const brick::BrickRule& rule,
                 const scene::TargetSpringSettings& settings)
       : tile_{regular(corners)},
-        bricks_{model::makeBrick(tile_[0], rule)},
+        bricks_{brick::makeBrick(tile_[0], rule)},
         springs_(bricks_, tile_, {}, settings),
-        pose_(model::startPoses(tile_, bricks_)[0]) {}
+        pose_(brick::startPoses(tile_, bricks_)[0]) {}
 
   static model::Tile regular(int corners) {
     model::Tile tile;
@@ -165,7 +165,7 @@ class SwingingBrick {
     double speed = 0;
     for (int k = 0; k < count; ++k) {
       // The trapezoidal rule: m (v' - v) / h = (f + f') / 2 - c (v + v') / 2.
-      const model::Load load = this->load(turns, places.back());
+      const brick::Load load = this->load(turns, places.back());
       const double c = load.damping(at, at), stiffness = load.stiffness(at, at);
       const double push = load.force[at] - 0.5 * step * stiffness * speed - c * speed;
       const double gained =
@@ -177,7 +177,7 @@ class SwingingBrick {
   }
 
  private:
-  model::Load load(bool turns, double place) const {
+  brick::Load load(bool turns, double place) const {
     Pose pose = pose_;
     if (turns) {
       pose.rotation = rotationFromVector({0, 0, place});
@@ -188,7 +188,7 @@ class SwingingBrick {
   }
 
   std::vector<model::Tile> tile_;
-  std::vector<model::Brick> bricks_;
+  std::vector<brick::Brick> bricks_;
   run::TargetSprings springs_;
   Pose pose_;
 };
@@ -207,7 +207,7 @@ TEST(TargetSprings, SwingABrickWithTheirFrequencyAndDecay) {
   const scene::TargetSpringSettings settings{.frequency = 2.5, .dampingRatio = 0.1};
   const double w = 2 * std::numbers::pi * 2.5;
   for (const int corners : {3, 4, 6}) {
-    for (const model::BrickRule& rule : {model::BrickRule{}, {0.1, model::MassRule::Prism, 700}}) {
+    for (const brick::BrickRule& rule : {brick::BrickRule{}, {0.1, brick::MassRule::Prism, 700}}) {
       SwingingBrick brick(corners, rule, settings);
       const std::vector<double> moved = brick.swing(false, 1, 1e-4, 10000);
       const std::vector<double> turned = brick.swing(true, 1e-4, 1e-4, 10000);
@@ -227,8 +227,8 @@ TEST(TargetSprings, InNewtonsHaveTheRatioOfTheirOwnStiffness) {
   scene::TargetSpringSettings settings;
   settings.springStiffness = 25;
   settings.dampingRatio = 0.2;
-  const model::Brick brick =
-      model::makeBrick(SwingingBrick::regular(4), {0.1, model::MassRule::Prism, 700});
+  const brick::Brick brick =
+      brick::makeBrick(SwingingBrick::regular(4), {0.1, brick::MassRule::Prism, 700});
   const run::BrickSpring spring = run::springOf(brick, settings);
   EXPECT_EQ(spring.springStiffness, 25);
   const double w = 2 * std::numbers::pi * settings.frequency;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -27,9 +27,9 @@ struct NotingStage : run::TimelineStage {
 
 class TimelineRunnerTest : public testing::Test {
  protected:
-  model::Model model = model::makeTessellation({});
-  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  Poses poses = model::startPoses(model.tiles, bricks);
+  model::Model model = generate::makeTessellation({});
+  std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  Poses poses = brick::startPoses(model.tiles, bricks);
   NotingStage stage;
   std::vector<trajectory::Event> events;
 
@@ -117,7 +117,7 @@ TEST_F(TimelineRunnerTest, DragsAlongThePathAtEvenSpeed) {
       {{}, Drag{2, {}, {corner, corner + Vector3(0, 3, 0)}, 4, 10, 7}}};
   run::TimelineRunner runner(timeline, bricks);
   runner.carryOut(viewAt(0), stage, events);
-  std::vector<model::Load> loads(bricks.size());
+  std::vector<brick::Load> loads(bricks.size());
   runner.addDrags(2, poses, loads);
   const Vector3 force = loads[2].force.head<3>();
   EXPECT_LT((force - 10 * Vector3(1, 1, 0)).norm(), 1e-12);
@@ -125,7 +125,7 @@ TEST_F(TimelineRunnerTest, DragsAlongThePathAtEvenSpeed) {
   EXPECT_TRUE(loads[1].force.isZero(0));
   // Let go at the end.
   runner.carryOut(viewAt(4), stage, events);
-  loads.assign(bricks.size(), model::Load{});
+  loads.assign(bricks.size(), brick::Load{});
   runner.addDrags(4, poses, loads);
   EXPECT_TRUE(loads[2].force.isZero(0));
   EXPECT_TRUE(runner.isOver(4));

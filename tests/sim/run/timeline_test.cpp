@@ -4,7 +4,7 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -18,10 +18,10 @@ constexpr double kPi = 3.14159265358979323846;
 /// A 3 x 3 sheet that opens by 90 degrees.
 scene::Scene sheetScene(double startAngle = 0.3) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
   shape.startAngle = startAngle;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   return scene;
 }
 
@@ -137,9 +137,9 @@ TEST(Timelines, ForcesOffAndOnAgain) {
 TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
   scene::Scene scene = sheetScene();
   scene.model.target.reset();
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const Vector3 goal =
-      model::startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
+      brick::startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
   scene.timeline = {{{}, Drag{8, {}, {goal}, 1, 1e4, 50}},
                     {{scene::Trigger::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
   scene.stop.duration = 1.9;
@@ -241,7 +241,7 @@ TEST(Timelines, AnEntryAfterTheEndIsRefused) {
 /// singular, and to first order it could move.
 TEST(Timelines, PinsThatHoldTheMechanismLockItSoon) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.timeline = {{{}, Pin{{0, 15}}}};
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Locked);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/scene_file.h"
 #include "tests/support/files.h"
@@ -22,9 +22,9 @@ class Grips : public testing::Test {
   std::vector<scene::GripSetting> read(const std::string& text) {
     std::ofstream(folder_ / "scene.toml", std::ios::binary) << text;
     std::vector<scene::GripSetting> grips = scene::readSceneFile(folder_ / "scene.toml").grips;
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = 2;
-    scene::numberAsModel(grips, model::makeTessellation(shape));
+    scene::numberAsModel(grips, generate::makeTessellation(shape));
     return grips;
   }
 

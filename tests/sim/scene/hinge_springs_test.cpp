@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/brick/stiffness.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/model/convex_parts.h"
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
-#include "sim/model/stiffness.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/files.h"
@@ -25,21 +25,21 @@ class HingeSpringsOfAScene : public testing::Test {
   HingeSpringsOfAScene() { use(model::JointFace::Both); }
 
   void use(model::JointFace face) {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = 2;
     shape.startAngle = 30 * kDegree;
     shape.face = face;
-    scene_.model = model::makeTessellation(shape);
+    scene_.model = generate::makeTessellation(shape);
   }
 
-  std::vector<model::HingeSpring> springs(const std::string& lines = "") {
+  std::vector<brick::HingeSpring> springs(const std::string& lines = "") {
     if (!lines.empty()) {
       std::ofstream(folder_ / "hinges.txt", std::ios::binary) << lines;
       scene_.hinges.file = folder_ / "hinges.txt";
     }
     std::vector<std::string> warnings;
     scene::completeScene({}, scene_, warnings);
-    return scene::hingeSprings(scene_, model::makeBricks(scene_.model.tiles, scene_.brick));
+    return scene::hingeSprings(scene_, brick::makeBricks(scene_.model.tiles, scene_.brick));
   }
 
   std::string refusal(const std::string& lines = "") {
@@ -57,7 +57,7 @@ TEST_F(HingeSpringsOfAScene, AreNoneUnlessAskedFor) {
 TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
   scene_.hinges.stiffness = 2;
   scene_.hinges.damping = 0.5;
-  for (const model::HingeSpring& spring : springs()) {
+  for (const brick::HingeSpring& spring : springs()) {
     EXPECT_NEAR(spring.rest, 30 * kDegree, 1e-12);
     EXPECT_EQ(spring.stiffness, 2);
     EXPECT_EQ(spring.damping, 0.5);
@@ -70,10 +70,10 @@ TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
 TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
   scene_.hinges.stiffness = 2;
   scene_.hinges.rest = 60 * kDegree;
-  const std::vector<model::HingeSpring> found =
+  const std::vector<brick::HingeSpring> found =
       springs("0 1 3 45 0.1\n2 0 - 90  # as stiff as all\n");
   ASSERT_EQ(found.size(), 4u);
-  for (const model::HingeSpring& spring : found) {
+  for (const brick::HingeSpring& spring : found) {
     const std::pair<int, int> tiles = std::minmax(spring.hinge.brickA, spring.hinge.brickB);
     const bool isFirst = tiles == std::pair(0, 1);
     const bool isSecond = tiles == std::pair(0, 2);
@@ -86,11 +86,11 @@ TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
 TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
   scene_.brick.thickness = 0.02;
   scene_.hinges.neck = scene::HingeNeck{0.1, 0.3, 2e9};
-  const std::vector<model::HingeSpring> found = springs("0 1 3\n");
+  const std::vector<brick::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 4u);
-  for (const model::HingeSpring& spring : found) {
+  for (const brick::HingeSpring& spring : found) {
     const bool isOwn = spring.hinge.brickA + spring.hinge.brickB == 1;
-    EXPECT_EQ(spring.stiffness, isOwn ? 3 : model::neckStiffness(2e9, 0.02, 0.1, 0.3));
+    EXPECT_EQ(spring.stiffness, isOwn ? 3 : brick::neckStiffness(2e9, 0.02, 0.1, 0.3));
   }
 }
 
@@ -103,12 +103,12 @@ TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
     joint.neck = {0.05 + 0.01 * (joint.a.tile + joint.b.tile), 0.3, 0};
   }
   const auto expectWidths = [&](const auto& widthOf) {
-    const std::vector<model::HingeSpring> found = springs();
+    const std::vector<brick::HingeSpring> found = springs();
     ASSERT_EQ(found.size(), 4u);
-    for (const model::HingeSpring& spring : found) {
+    for (const brick::HingeSpring& spring : found) {
       EXPECT_EQ(
           spring.stiffness,
-          model::neckStiffness(2e9, 0.02, widthOf(spring.hinge.brickA + spring.hinge.brickB), 0.3));
+          brick::neckStiffness(2e9, 0.02, widthOf(spring.hinge.brickA + spring.hinge.brickB), 0.3));
     }
   };
   expectWidths([](int tiles) { return 0.05 + 0.01 * tiles; });
@@ -118,7 +118,7 @@ TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
 }
 
 TEST_F(HingeSpringsOfAScene, MayBeAtOnlySomeHinges) {
-  const std::vector<model::HingeSpring> found = springs("0 1 3\n");
+  const std::vector<brick::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].rest, 30 * kDegree, 1e-12);
 }
@@ -160,15 +160,15 @@ scene::Scene foldedByFile(const test::TemporaryFolder& folder, const std::string
   std::vector<std::string> warnings;
   scene::Scene scene;
   scene.brick.thickness = 0.02;
-  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.model = formats::readModel(folder / "a.fold", std::nullopt, warnings);
   scene.hinges.stiffness = 1;
   return scene;
 }
 
 /// The only spring of a scene.
-model::HingeSpring springOf(const scene::Scene& scene) {
-  const std::vector<model::HingeSpring> springs =
-      scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick));
+brick::HingeSpring springOf(const scene::Scene& scene) {
+  const std::vector<brick::HingeSpring> springs =
+      scene::hingeSprings(scene, brick::makeBricks(scene.model.tiles, scene.brick));
   EXPECT_EQ(springs.size(), 1u);
   return springs.at(0);
 }
@@ -180,7 +180,7 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
   for (const char* faces : {"[[0,1,4,5],[1,2,3,4]]", "[[0,1,4,5],[4,3,2,1]]",
                             "[[5,4,1,0],[4,3,2,1]]", "[[1,2,3,4],[0,1,4,5]]"}) {
     scene::Scene scene = foldedByFile(folder, faces);
-    const model::HingeSpring spring = springOf(scene);
+    const brick::HingeSpring spring = springOf(scene);
     EXPECT_NEAR(std::abs(spring.rest), 90 * kDegree, 1e-15);
     EXPECT_NEAR(spring.hinge.start, 0, 1e-15);
     scene::Scene there = scene;
@@ -200,8 +200,8 @@ TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
   scene.model = model::splitTiles(scene.model, {});
   int folded = 0;
-  for (const model::HingeSpring& spring :
-       scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick))) {
+  for (const brick::HingeSpring& spring :
+       scene::hingeSprings(scene, brick::makeBricks(scene.model.tiles, scene.brick))) {
     EXPECT_TRUE(std::abs(spring.rest) < 1e-12 || spring.rest == 90 * kDegree) << spring.rest;
     folded += spring.rest > 1 ? 1 : 0;
   }
@@ -219,7 +219,7 @@ TEST(FoldSprings, FoldLettersByTheirOwnRest) {
   std::vector<std::string> warnings;
   scene::Scene scene = scene::openScene();
   scene.brick.thickness = 0.02;
-  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.model = formats::readModel(folder / "a.fold", std::nullopt, warnings);
   EXPECT_TRUE(scene.model.target);
   scene.hinges.stiffness = 1;
   scene::Scene pulled = scene;
@@ -256,17 +256,17 @@ TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   scene.hinges.panels = scene::PanelMaterial{2e9, 0.3, 0};
   scene.model = model::splitTiles(scene.model, {});
   const auto springs = [&] {
-    return scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick));
+    return scene::hingeSprings(scene, brick::makeBricks(scene.model.tiles, scene.brick));
   };
   const double plate = 2e9 * std::pow(0.02, 3) / (12 * 0.91);
   const double bend = 0.55 * plate * std::cbrt(std::sqrt(2.0) / 0.02);
   ASSERT_EQ(springs().size(), 2u);
-  for (const model::HingeSpring& spring : springs()) {
+  for (const brick::HingeSpring& spring : springs()) {
     EXPECT_NEAR(spring.stiffness, bend, 1e-12 * bend);
     EXPECT_EQ(spring.rest, spring.hinge.start);
   }
   const auto atFold = [&] {
-    for (const model::HingeSpring& spring : springs()) {
+    for (const brick::HingeSpring& spring : springs()) {
       if (spring.rest == 20 * kDegree) return spring.stiffness;
     }
     return 0.0;
@@ -277,7 +277,7 @@ TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   scene.hinges.stiffness = 7;
   EXPECT_EQ(atFold(), 7);
   scene.hinges.damping = 0.1;
-  for (const model::HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
+  for (const brick::HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
 }
 
 // Panels that touch only at corners have no hinges, which is no error.
@@ -289,7 +289,7 @@ TEST_F(HingeSpringsOfAScene, NeedNoHingesIfOnlyTiles) {
 
 TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.timeline = {{scene::Trigger{}, scene::timeline::Pin{{5}}, {"`pin`"}},
                     {scene::Trigger{}, scene::timeline::Unpin{{5, 6}}, {}}};
   scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
@@ -318,7 +318,7 @@ TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
 
 TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
   const auto refusal = [](scene::Scene scene) -> std::string {
-    scene.model = model::makeTessellation({});
+    scene.model = generate::makeTessellation({});
     try {
       scene::splitTiles({}, scene);
     } catch (const InputError& error) {

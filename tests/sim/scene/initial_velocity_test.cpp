@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/generate/families.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/conditions.h"
 
 namespace kirireel {
@@ -11,12 +11,12 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(InitialVelocity, MovesTilesAsOneRigidWhole) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  const model::Model model = model::makeTessellation(shape);
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  const Poses poses = model::startPoses(model.tiles, bricks);
+  const model::Model model = generate::makeTessellation(shape);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  const Poses poses = brick::startPoses(model.tiles, bricks);
   const Vector3 linear(1, 2, 3), angular(0.1, -0.2, 0.3);
   const std::vector<Velocity> velocities =
       scene::initialVelocities({{{}, linear, angular, {}}}, bricks, poses);
@@ -33,7 +33,7 @@ TEST(InitialVelocity, MovesTilesAsOneRigidWhole) {
 }
 
 TEST(InitialVelocity, RefusesTilesThatTheModelDoesNotHave) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   model.fileOrder.countsFrom = 1;
   std::vector<scene::InitialVelocity> velocities = {{{1, 2}, {}, {}, {"scene.toml", 3, 1}}};
   scene::numberAsModel(velocities, model);

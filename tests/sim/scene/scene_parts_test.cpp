@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/refusal.h"
 
@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 class ScenePartsTest : public testing::Test {
  protected:
   ScenePartsTest() {
-    scene_.model = model::makeTessellation({});
+    scene_.model = generate::makeTessellation({});
     scene_.model.name = "sheet";
   }
 
@@ -36,10 +36,10 @@ class ScenePartsTest : public testing::Test {
 };
 
 TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = 0.4;
-  const model::Model open = model::makeTessellation(shape);
-  model::writeTiles(open.tiles, folder_ / "open.txt");
+  const model::Model open = generate::makeTessellation(shape);
+  formats::writeTiles(open.tiles, folder_ / "open.txt");
   parts_.targets = {folder_ / "open.txt"};
   scene_.alignment.requested = false;
   complete();
@@ -48,8 +48,8 @@ TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
 }
 
 TEST_F(ScenePartsTest, SeveralTargetsAreAChain) {
-  model::writeTiles(scene_.model.tiles, folder_ / "a.txt");
-  model::writeTiles(*scene_.model.target, folder_ / "b.txt");
+  formats::writeTiles(scene_.model.tiles, folder_ / "a.txt");
+  formats::writeTiles(*scene_.model.target, folder_ / "b.txt");
   parts_.targets = {folder_ / "a.txt", folder_ / "a.txt", folder_ / "b.txt"};
   complete();
   ASSERT_EQ(scene_.timeline.size(), 3u);
@@ -159,8 +159,8 @@ TEST_F(ScenePartsTest, EveryTargetIsMovedOntoTheStart) {
   scene::Scene plain = scene_;
   scene::completeScene({}, plain, warnings_);
   const std::vector<model::Tile> start = scene_.model.tiles, target = *scene_.model.target;
-  model::writeTiles(elsewhere(target, 1), folder_ / "a.txt");
-  model::writeTiles(elsewhere(target, std::numbers::pi), folder_ / "b.txt");
+  formats::writeTiles(elsewhere(target, 1), folder_ / "a.txt");
+  formats::writeTiles(elsewhere(target, std::numbers::pi), folder_ / "b.txt");
   parts_.targets = {folder_ / "a.txt", folder_ / "b.txt"};
   complete();
   EXPECT_EQ(distance(scene_.model.tiles, start), 0);
@@ -207,9 +207,9 @@ TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
 }
 
 TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 5;
-  model::writeTiles(model::makeTessellation(shape).tiles, folder_ / "other.txt");
+  formats::writeTiles(generate::makeTessellation(shape).tiles, folder_ / "other.txt");
   parts_.targets = {folder_ / "other.txt"};
   EXPECT_THAT(refusal(), HasSubstr("other.txt: error: the target has 20 tiles, sheet has 16"));
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/scene/scene_needs.h"
 
 namespace kirireel {
@@ -10,7 +10,7 @@ namespace {
 
 scene::Scene sheetScene() {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   return scene;
 }
 
@@ -104,7 +104,7 @@ TEST(SceneNeeds, ContactsFollowTheFilter) {
 
 TEST(SceneNeeds, ASingleBrickTouchesNone) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({1, 1});
+  scene.model = generate::makeTessellation({1, 1});
   expectNeed(scene::sceneNeeds(scene).contacts, false, "a single brick");
 }
 
@@ -119,7 +119,7 @@ TEST(SceneNeeds, GroundIsAContactOnlyInSpace) {
 }
 
 TEST(LowestPoint, OfAModelIsOverStartAndTarget) {
-  model::Model model = model::makeTessellation({});
+  model::Model model = generate::makeTessellation({});
   EXPECT_EQ(scene::lowestPoint(model), 0);
   model.tiles[2].vertices[1].z() = -0.5;
   EXPECT_EQ(scene::lowestPoint(model), -0.5);

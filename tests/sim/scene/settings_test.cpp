@@ -108,7 +108,7 @@ TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
   necks.hinges.neck = scene::HingeNeck{0.1, 0.1, 1e9};
   scene::Scene curve;
   curve.actuation.drive = scene::Drive::Boundary;
-  curve.brick.mass = model::MassRule::Prism;
+  curve.brick.mass = brick::MassRule::Prism;
   const scene::Scene open = scene::openScene();
   for (const scene::Setting& setting : allSettings()) {
     for (const scene::Condition& condition : setting.conditions) {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/brick/hinge.h"
+#include "sim/generate/lattice.h"
 #include "sim/mechanics/load_path.h"
-#include "sim/model/hinge.h"
-#include "sim/model/lattice.h"
 #include "sim/statics/elastic_sheet.h"
 #include "tests/support/pair_forces.h"
 
@@ -18,16 +18,16 @@ using Complex = std::complex<double>;
 
 /// A ligament between two bricks at given positions and rotations.
 struct Two {
-  model::Ligament ligament{
+  brick::Ligament ligament{
       .pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
   Two() {
     ligament.stretchStiffness = 3;
     ligament.shearStiffness = 0.7;
   }
-  model::PlanarEnergy at(const Vector6& u) const {
+  brick::PlanarEnergy at(const Vector6& u) const {
     const Vector3 armA = rotationFromVector({0, 0, u[2]}) * ligament.pointA;
     const Vector3 armB = rotationFromVector({0, 0, u[5]}) * ligament.pointB;
-    return model::ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2],
+    return brick::ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2],
                                  u[5]);
   }
   /// Where the ligament is at rest.
@@ -44,12 +44,12 @@ TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const model::PlanarEnergy found = two.at(u);
+    const brick::PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const model::PlanarEnergy above = two.at(more), below = two.at(less);
+      const brick::PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -71,12 +71,12 @@ TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.0, 0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const model::PlanarEnergy found = two.at(u);
+    const brick::PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const model::PlanarEnergy above = two.at(more), below = two.at(less);
+      const brick::PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -111,13 +111,13 @@ TEST(Ligaments, HoldNothingAsTheWholeTurns) {
 TEST(Ligaments, WithTheirBendingAreBeams) {
   const double youngs = 2e6, width = 0.01, length = 1, thickness = 0.02;
   const double bending = youngs * thickness * width * width * width / 12;
-  model::Ligament ligament;
+  brick::Ligament ligament;
   ligament.pointA = ligament.pointB = Vector3::Zero();
   ligament.start = Vector3(length, 0, 0);
-  model::setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
+  brick::setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
   EXPECT_NEAR(ligament.stretchStiffness, youngs * width * thickness / length, 1e-9);
   Matrix6 hessian =
-      model::ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0)
+      brick::ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0)
           .hessian;
   hessian(5, 5) += bending / length;  // of the hinge's spring
   const Matrix3 free = hessian.bottomRightCorner<3, 3>();
@@ -132,8 +132,8 @@ TEST(Ligaments, WithTheirBendingAreBeams) {
 
 /// A slender neck along x between two points, as a ligament and the spring at its hinge.
 struct ClampedBeam {
-  model::Ligament ligament;
-  model::HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
+  brick::Ligament ligament;
+  brick::HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
   double bending = 0;  // E I
   static constexpr double kLength = 0.5;
 
@@ -144,7 +144,7 @@ struct ClampedBeam {
     ligament.start = Vector3(kLength, 0, 0);
     ligament.pointA = Vector3(0.3, 0.2, 0);
     ligament.pointB = Vector3(-0.1, 0.4, 0);
-    model::setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
+    brick::setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
     spring.stiffness = bending / kLength;
   }
   /// Brick A as at the start; the neck's end at brick B moved, and that brick turned about it.
@@ -154,7 +154,7 @@ struct ClampedBeam {
     return {Pose{}, {end - turn * ligament.pointB, turn}};
   }
   std::array<double, 2> momentsAt(const Vector3& moved, double turned) const {
-    return model::endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
+    return brick::endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
   }
 };
 
@@ -190,30 +190,30 @@ TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
 TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
   const ClampedBeam beam;
   const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
-  const model::Elasticity found =
-      model::elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
+  const brick::Elasticity found =
+      brick::elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
   EXPECT_EQ(found.count("springs"), 1);
   EXPECT_EQ(found.count("ligaments"), 1);
   EXPECT_NEAR(found.energyStart, 0, 1e-25);
-  EXPECT_EQ(found.energyEnd, model::ligamentEnergy(beam.ligament, end).energy);
+  EXPECT_EQ(found.energyEnd, brick::ligamentEnergy(beam.ligament, end).energy);
   EXPECT_NEAR(found.momentEnd, 6e-4 * beam.bending / 0.25, 1e-9 * beam.bending);
 }
 
 /// A sheet of squares whose hinges are ligaments of a length, along x.
 struct LigamentSheet {
   LigamentSheet(int side, double angle, double stretch, double shear, double length) {
-    model::TessellationShape shape;
+    generate::TessellationShape shape;
     shape.columns = shape.rows = side;
     shape.startAngle = angle;
-    model = model::makeTessellation(shape);
-    bricks = model::makeBricks(model.tiles, {0.02, model::MassRule::Unit, 1});
-    pivots = model::makePivots(model.joints, bricks);
-    for (const model::Hinge& hinge : model::findHinges(bricks, pivots, true).hinges) {
+    model = generate::makeTessellation(shape);
+    bricks = brick::makeBricks(model.tiles, {0.02, brick::MassRule::Unit, 1});
+    pivots = brick::makePivots(model.joints, bricks);
+    for (const brick::Hinge& hinge : brick::findHinges(bricks, pivots, true).hinges) {
       springs.push_back({hinge, 1, hinge.start, 0});
     }
-    for (const model::Pivot& pivot : pivots) {
+    for (const brick::Pivot& pivot : pivots) {
       if (pivot.isUpper) continue;
-      model::Ligament ligament{pivot.brickA, pivot.brickB};
+      brick::Ligament ligament{pivot.brickA, pivot.brickB};
       ligament.start = Vector3(length, 0, 0);
       ligament.pointA = pivot.pointA - 0.5 * ligament.start;
       ligament.pointB = pivot.pointB + 0.5 * ligament.start;
@@ -222,13 +222,13 @@ struct LigamentSheet {
       ligaments.push_back(ligament);
     }
   }
-  Poses start() const { return model::startPoses(model.tiles, bricks); }
+  Poses start() const { return brick::startPoses(model.tiles, bricks); }
 
   model::Model model;
-  std::vector<model::Brick> bricks;
-  std::vector<model::Pivot> pivots;
-  std::vector<model::HingeSpring> springs;
-  std::vector<model::Ligament> ligaments;
+  std::vector<brick::Brick> bricks;
+  std::vector<brick::Pivot> pivots;
+  std::vector<brick::HingeSpring> springs;
+  std::vector<brick::Ligament> ligaments;
 };
 
 /// Holds the left column's middles and moves those of the right.
@@ -253,7 +253,7 @@ std::vector<statics::Grip> squeeze(const LigamentSheet& sheet, int side, double 
 double complexEnergy(const LigamentSheet& sheet, const std::vector<Complex>& places,
                      const std::vector<double>& turns) {
   double sum = 0;
-  for (const model::Ligament& ligament : sheet.ligaments) {
+  for (const brick::Ligament& ligament : sheet.ligaments) {
     const auto point = [&](int brick, const Vector3& r) {
       const auto i = static_cast<std::size_t>(brick);
       return places[i] + Complex(r.x(), r.y()) * std::polar(1.0, turns[i]);
@@ -268,7 +268,7 @@ double complexEnergy(const LigamentSheet& sheet, const std::vector<Complex>& pla
     sum += 0.5 * (ligament.stretchStiffness * stretch * stretch +
                   ligament.shearStiffness * shear * shear);
   }
-  for (const model::HingeSpring& spring : sheet.springs) {
+  for (const brick::HingeSpring& spring : sheet.springs) {
     const double turn = turns[static_cast<std::size_t>(spring.hinge.brickB)] -
                         turns[static_cast<std::size_t>(spring.hinge.brickA)];
     sum += 0.5 * spring.stiffness * turn * turn;

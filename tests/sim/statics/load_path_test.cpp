@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/statics/elastic_sheet.h"
 #include "tests/support/pair_forces.h"
 
@@ -22,9 +22,9 @@ constexpr double kPi = std::numbers::pi;
 struct Held {
   explicit Held(const model::Model& start, double stiffness)
       : model(start),
-        bricks(model::makeBricks(start.tiles, {0.02, model::MassRule::Unit, 1})),
-        pivots(model::makePivots(start.joints, bricks)) {
-    for (const model::Hinge& hinge : model::findHinges(bricks, pivots, true).hinges) {
+        bricks(brick::makeBricks(start.tiles, {0.02, brick::MassRule::Unit, 1})),
+        pivots(brick::makePivots(start.joints, bricks)) {
+    for (const brick::Hinge& hinge : brick::findHinges(bricks, pivots, true).hinges) {
       springs.push_back({hinge, stiffness, hinge.start, 0});
     }
   }
@@ -35,7 +35,7 @@ struct Held {
     grips.push_back({{handle}, direction, 0, false});
   }
   statics::ElasticSheet sheet() const {
-    return statics::ElasticSheet(bricks, model::startPoses(model.tiles, bricks),
+    return statics::ElasticSheet(bricks, brick::startPoses(model.tiles, bricks),
                                  test::pairForces(springs), pivots, pinned, grips);
   }
   mechanics::LoadPath follow(std::size_t leading, double longestStep = 0.05) const {
@@ -43,9 +43,9 @@ struct Held {
   }
 
   model::Model model;
-  std::vector<model::Brick> bricks;
-  std::vector<model::Pivot> pivots;
-  std::vector<model::HingeSpring> springs;
+  std::vector<brick::Brick> bricks;
+  std::vector<brick::Pivot> pivots;
+  std::vector<brick::HingeSpring> springs;
   std::vector<int> pinned;
   std::vector<statics::Grip> grips;
 };
@@ -59,10 +59,10 @@ const mechanics::Equilibrium& firstTurning(const mechanics::LoadPath& path,
 // A unit of four squares, one held and one turned by t, has four hinges that turn by t each:
 // energy 2 k t^2, moment 4 k t.
 TEST(LoadPath, OfARotatingSquareUnitIsItsClosedForm) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.2;
-  Held unit(model::makeTessellation(shape), 3);
+  Held unit(generate::makeTessellation(shape), 3);
   unit.pinned = {0};
   unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
   const mechanics::LoadPath path = unit.follow(0);
@@ -226,7 +226,7 @@ Held fourBar(const FourBar& bars, double crank, double stiffness) {
                   {{2, 0}, {3, 1}, model::JointFace::Both}};
   Held held(model, stiffness);
   held.pinned = {0};
-  for (model::HingeSpring& spring : held.springs) {
+  for (brick::HingeSpring& spring : held.springs) {
     const bool isAtFoot = spring.hinge.brickA + spring.hinge.brickB == 1;
     if (!isAtFoot) spring.stiffness = 0;
   }
@@ -306,11 +306,11 @@ struct TurningTriangle {
       frame.vertices.push_back(corner(3, 2 * kPi * k / 3));
       inner.vertices.push_back(corner(a, 2 * kPi * k / 3 - rest));
     }
-    const std::vector<model::Brick> bricks =
-        model::makeBricks({frame, inner}, {0.02, model::MassRule::Unit, 1});
-    std::vector<model::Ligament> ligaments;
+    const std::vector<brick::Brick> bricks =
+        brick::makeBricks({frame, inner}, {0.02, brick::MassRule::Unit, 1});
+    std::vector<brick::Ligament> ligaments;
     for (int k = 0; k < 3; ++k) {
-      model::Ligament ligament{.brickA = 1, .brickB = 0};
+      brick::Ligament ligament{.brickA = 1, .brickB = 0};
       ligament.pointA = inner.vertices[static_cast<std::size_t>(k)];
       ligament.pointB = corner(b, 2 * kPi * k / 3);
       ligament.start = ligament.pointB - ligament.pointA;
@@ -319,7 +319,7 @@ struct TurningTriangle {
     }
     const statics::GripHandle middle{.brick = 1};
     return statics::ElasticSheet(
-        bricks, model::startPoses({frame, inner}, bricks), test::pairForces({}, ligaments), {}, {0},
+        bricks, brick::startPoses({frame, inner}, bricks), test::pairForces({}, ligaments), {}, {0},
         {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), amount, isForce},
          {{middle}, Vector3::UnitX(), 0, false},
          {{middle}, Vector3::UnitY(), 0, false}});
@@ -359,9 +359,9 @@ TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
 // at t = 0, and nearly so round it.
 TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
   const double open = kPi / 6, stiffness = 0.02;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.startAngle = open;
-  Held held(model::makeTessellation(shape), stiffness);
+  Held held(generate::makeTessellation(shape), stiffness);
   const auto middles = [&](int column) {
     std::vector<statics::GripHandle> handles;
     for (int tile = 4 * column; tile < 4 * column + 4; ++tile) handles.push_back({.brick = tile});
@@ -388,10 +388,10 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
 
 // Squares at 90 degrees are as long as they get, and can turn back to two sides.
 TEST(LoadPath, ReportsWhyItDoesNotLeaveALimitOfTheMechanism) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.5 * kPi;
-  Held unit(model::makeTessellation(shape), 3);
+  Held unit(generate::makeTessellation(shape), 3);
   const auto middle = [](int tile) { return statics::GripHandle{.brick = tile}; };
   for (const int tile : {0, 1}) unit.hold(middle(tile), Vector3::UnitX());
   unit.hold(middle(0), Vector3::UnitY());
@@ -404,10 +404,10 @@ TEST(LoadPath, ReportsWhyItDoesNotLeaveALimitOfTheMechanism) {
 }
 
 TEST(LoadPath, IsRefusedWhereNothingResists) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.2;
-  Held unit(model::makeTessellation(shape), 3);
+  Held unit(generate::makeTessellation(shape), 3);
   unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
   try {
     unit.follow(0);

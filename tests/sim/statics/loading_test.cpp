@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/brick/stiffness.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
-#include "sim/model/stiffness.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
@@ -25,10 +25,10 @@ using ::testing::HasSubstr;
 /// Four squares with springs, open by 20 degrees: one is held, its neighbour turned by 40 degrees.
 scene::Scene turnedUnit() {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::Auto;
   scene.path.kind = scene::PathKind::Auto;
   scene.hinges.stiffness = 3;
@@ -43,9 +43,9 @@ scene::Scene turnedUnit() {
 
 /// The same unit with all slits closed.
 model::Model shutUnit() {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  return model::makeTessellation(shape);
+  return generate::makeTessellation(shape);
 }
 
 /// What springs and ligaments hold, joules.
@@ -65,8 +65,8 @@ TEST(Loading, IsSampledAsAPathWithItsLoadCurve) {
   EXPECT_NEAR(run.elasticity->energyEnd, 6 * turn * turn, 1e-9);
   EXPECT_EQ(run.trajectory.samples.size(), 13u);
   for (const trajectory::Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-11);
-  const std::vector<model::HingeSpring>& springs = model::hingeSpringsOf(run.trajectory.pairForces);
-  EXPECT_NEAR(model::elasticEnergy(springs, run.trajectory.samples.back().poses), last.energy,
+  const std::vector<brick::HingeSpring>& springs = brick::hingeSpringsOf(run.trajectory.pairForces);
+  EXPECT_NEAR(brick::elasticEnergy(springs, run.trajectory.samples.back().poses), last.energy,
               1e-12);
 }
 
@@ -133,7 +133,7 @@ TEST(Loading, LigamentsOfGivenStiffnessAreThoseOfTheirNecks) {
   const double shear = 1 / (0.1 / (12 * bending) + 1 / (5.0 / 6 * 1e6 / 2.6 * 0.02 * t * 0.1));
   for (const double unit : {1.0, 1e-3}) {
     scene::Scene given = turnedUnit();
-    given.hinges.stiffness = model::neckStiffness(1e6, t, 0.02, 0.1);
+    given.hinges.stiffness = brick::neckStiffness(1e6, t, 0.02, 0.1);
     given.hinges.ligament =
         scene::LigamentStiffness{1e6 * 0.02 * t / 0.1, shear / (0.1 * 0.1), 0.1};
     // Lengths of a scene in another unit, and back.
@@ -161,7 +161,7 @@ TEST(Loading, NecksGiveInMotionToo) {
   EXPECT_GT(run.accuracy.jointOpeningMax, 1e-6);
   ASSERT_TRUE(run.elasticity.has_value());
   const trajectory::Sample& last = run.trajectory.samples.back();
-  EXPECT_EQ(model::ligamentsOf(run.trajectory.pairForces).size(), 4u);
+  EXPECT_EQ(brick::ligamentsOf(run.trajectory.pairForces).size(), 4u);
   EXPECT_EQ(run.elasticity->energyEnd, elasticEnergyOf(run.trajectory, last.poses));
   EXPECT_EQ(run.elasticity->energyEnd, last.mechanics->energies.elastic);
 }
@@ -179,10 +179,10 @@ TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
     const test::TemporaryFolder folder;
     trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
     const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
-    ASSERT_EQ(model::ligamentsOf(read.pairForces).size(), 4u);
+    ASSERT_EQ(brick::ligamentsOf(read.pairForces).size(), 4u);
     const double held = elasticEnergyOf(read, read.samples.back().poses);
     const double expected = run.loadCurve->states.back().energy;
-    EXPECT_GT(model::elasticEnergy(model::ligamentsOf(read.pairForces), read.samples.back().poses),
+    EXPECT_GT(brick::elasticEnergy(brick::ligamentsOf(read.pairForces), read.samples.back().poses),
               1e-6 * expected);
     EXPECT_NEAR(held, expected, 1e-12 * expected);  // measured 1.4e-16 of it
     EXPECT_EQ(run.elasticity->energyEnd, held);
@@ -242,11 +242,11 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
 /// Squares of which a column is held along x and the last one moved by so much.
 scene::Scene pulledSquares(int columns, double angle, double move) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = columns;
   shape.rows = 4;
   shape.startAngle = angle;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   scene.environment.contacts = scene::ContactFilter::Auto;
   scene.path.kind = scene::PathKind::Auto;
   scene.hinges.stiffness = 1;

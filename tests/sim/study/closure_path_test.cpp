@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/study/exact_sheet.h"
 
 namespace kirireel {
@@ -13,9 +13,9 @@ namespace {
 constexpr int kSide = 4;
 
 std::vector<model::Tile> squaresAt(double angle) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = kSide;
-  return model::tessellationTiles(shape, angle);
+  return generate::tessellationTiles(shape, angle);
 }
 
 study::ClosurePath pathOfSquares() {

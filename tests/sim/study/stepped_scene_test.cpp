@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 /// A sheet that springs pull open. Runs do not perturb such a start.
 scene::Scene pulledSheet(double tolerance) {
   scene::Scene scene;
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 0.3;
-  scene.model = model::makeTessellation(shape);
+  scene.model = generate::makeTessellation(shape);
   model::alignStartToTarget(scene.model);
   scene.brick.thickness = 0.02;
   scene.path.kind = scene::PathKind::Straight;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/run_curves.h"
 
@@ -16,9 +16,9 @@ double largest(const std::vector<double>& values) {
 
 /// A tessellation with every brick with its own displacement and rotation.
 struct ScatteredTiles {
-  model::Model model = model::makeTessellation({});
-  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  Poses start = model::startPoses(model.tiles, bricks);
+  model::Model model = generate::makeTessellation({});
+  std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  Poses start = brick::startPoses(model.tiles, bricks);
   Poses poses = start;
 
   ScatteredTiles() {
@@ -31,7 +31,7 @@ struct ScatteredTiles {
 
 TEST(BrickMeasures, HaveTheWholeRunsMeasuresAsTheirLargest) {
   const ScatteredTiles tiles;
-  const std::vector<model::Pivot> pivots = model::makePivots(tiles.model.joints, tiles.bricks);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(tiles.model.joints, tiles.bricks);
   EXPECT_EQ(largest(trajectory::brickTargetErrors(*tiles.model.target, tiles.bricks, tiles.poses)),
             trajectory::targetError(*tiles.model.target, tiles.bricks, tiles.poses));
   EXPECT_EQ(largest(trajectory::brickJointGaps(pivots, tiles.poses)),

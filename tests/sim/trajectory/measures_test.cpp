@@ -6,17 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/generate/lattice.h"
 #include "sim/model/isometry.h"
-#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
 
 struct Sheet {
-  model::Model model = model::makeTessellation({});
-  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
-  Poses poses = model::startPoses(model.tiles, bricks);
+  model::Model model = generate::makeTessellation({});
+  std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  std::vector<brick::Pivot> pivots = brick::makePivots(model.joints, bricks);
+  Poses poses = brick::startPoses(model.tiles, bricks);
 };
 
 TEST(JointGap, ClosedSheetHasNone) {
@@ -204,10 +204,10 @@ TEST(RigidBound, IsThatOfTheWorstTile) {
 }
 
 TEST(KineticEnergy, OfABoxHasTheClosedForm) {
-  model::BrickRule rule;
+  brick::BrickRule rule;
   rule.thickness = 0.2;
-  const std::vector<model::Brick> bricks{
-      model::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}}}, rule)};
+  const std::vector<brick::Brick> bricks{
+      brick::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}}}, rule)};
   Motion motion{Poses(1), std::vector<Velocity>(1)};
   motion.velocities[0].linear = {1, -2, 2};
   EXPECT_NEAR(trajectory::kineticEnergy(bricks, motion), 4.5, 1e-14);

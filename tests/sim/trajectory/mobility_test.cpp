@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/sheet.h"
 
 namespace kirireel {
@@ -14,12 +14,12 @@ constexpr double kThickness = 0.02;
 
 model::Model tessellation(int columns, int rows, double angle,
                           model::JointFace face = model::JointFace::Both) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
   shape.face = face;
-  return model::makeTessellation(shape);
+  return generate::makeTessellation(shape);
 }
 
 int planarFreedoms(const model::Model& model) {
@@ -136,14 +136,14 @@ TEST(Mobility, MatchesThePublishedModels) {
       {"square2disk", 8}, {"demo_nonrigid", 1}, {"stampfli24", 21}, {"quad_tessellation", 6}};
   for (const auto& [name, freedoms] : published) {
     std::vector<std::string> warnings;
-    EXPECT_EQ(planarFreedoms(model::readModelFolder(shared / name, warnings)), freedoms) << name;
+    EXPECT_EQ(planarFreedoms(formats::readModelFolder(shared / name, warnings)), freedoms) << name;
   }
 }
 
 TEST(Mobility, OfTooManyTilesIsNotCounted) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 101;
-  const model::Model model = model::makeTessellation(shape);
+  const model::Model model = generate::makeTessellation(shape);
   const trajectory::Mobility found =
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, 0.02);
   EXPECT_FALSE(found.isCounted);

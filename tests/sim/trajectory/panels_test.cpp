@@ -48,7 +48,7 @@ TEST(Panels, HaveTheLargestMomentOfTheirFolds) {
   const trajectory::LoadedPanels sheet = squareAndTriangle();
   EXPECT_EQ(sheet.tileMoments(0), (std::vector<double>{0, 0}));
   EXPECT_EQ(sheet.tileMoments(2), (std::vector<double>{2, 2}));  // 5 * 0.4, over 3 * 0.5
-  model::Elasticity elasticity{{{"springs", 1}}, 7, 7, 7};
+  brick::Elasticity elasticity{{{"springs", 1}}, 7, 7, 7};
   trajectory::setElasticity(sheet, elasticity);
   EXPECT_EQ(elasticity.count("springs"), 1);
   EXPECT_EQ(elasticity.count("bars"), 7);

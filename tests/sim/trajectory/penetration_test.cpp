@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel {
@@ -11,28 +11,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-model::Brick box(double length, double width, double thickness) {
-  model::BrickRule rule;
+brick::Brick box(double length, double width, double thickness) {
+  brick::BrickRule rule;
   rule.thickness = thickness;
-  return model::makeBrick({{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}, rule);
+  return brick::makeBrick({{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}, rule);
 }
 
-model::Brick polygon(int corners, double radius, double thickness) {
-  model::BrickRule rule;
+brick::Brick polygon(int corners, double radius, double thickness) {
+  brick::BrickRule rule;
   rule.thickness = thickness;
   model::Tile tile;
   for (int k = 0; k < corners; ++k) {
     const double angle = 2 * kPi * k / corners;
     tile.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  return model::makeBrick(tile, rule);
+  return brick::makeBrick(tile, rule);
 }
 
-double depthOf(const model::Brick& a, const Pose& poseA, const model::Brick& b, const Pose& poseB) {
+double depthOf(const brick::Brick& a, const Pose& poseA, const brick::Brick& b, const Pose& poseB) {
   return trajectory::deepestPenetration({a, b}, {poseA, poseB}).depth;
 }
 
-std::vector<Vector3> cornersOf(const model::Brick& brick, const Pose& pose) {
+std::vector<Vector3> cornersOf(const brick::Brick& brick, const Pose& pose) {
   std::vector<Vector3> corners;
   for (const Vector3& point : brick.bottom) corners.push_back(pose.apply(point));
   for (const Vector3& point : brick.top) corners.push_back(pose.apply(point));
@@ -79,7 +79,7 @@ double overlapBySampling(const std::vector<Vector3>& a, const std::vector<Vector
 }
 
 TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
-  const model::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const brick::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose origin;
   // Side by side, overlapping by 0.01 along x: less than the thickness.
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
@@ -91,7 +91,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
 }
 
 TEST(Penetration, InOneLayerCountsWithinIt) {
-  const model::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const brick::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose poseB{{1.2, 0.3, 0}};
   EXPECT_NEAR(depthOf(a, {}, b, poseB), 0.3, 1e-15);
   // A little above it, the separation is over the other.
@@ -108,7 +108,7 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
 TEST(Penetration, OfABrickThroughAnotherHasTheClosedForm) {
   // A thin upright bar through the middle of a plate: both reach beyond what they share, on two
   // axes. The least separation is along x: half of the plate and half of the bar.
-  const model::Brick plate = box(1, 4, 1), bar = box(0.2, 6, 0.2);
+  const brick::Brick plate = box(1, 4, 1), bar = box(0.2, 6, 0.2);
   const Pose upright{{0, 0, 0}, rotationFromVector({kPi / 2, 0, 0})};
   EXPECT_NEAR(depthOf(plate, {}, bar, upright), 0.6, 1e-15);
   const Quaternion turn = rotationFromVector({0.4, -0.7, 0.3});
@@ -127,7 +127,7 @@ TEST(Penetration, IsTheSameForTurnedStates) {
   const auto vector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
   double largest = 0;
   for (int i = 0; i < 2000; ++i) {
-    const model::Brick a = polygon(3 + i % 4, 1, 0.1), b = polygon(4, 1, i % 2 == 0 ? 0.1 : 3);
+    const brick::Brick a = polygon(3 + i % 4, 1, 0.1), b = polygon(4, 1, i % 2 == 0 ? 0.1 : 3);
     const double tilt = std::pow(10.0, -(i % 13));
     const Pose poseB{0.3 * vector(), rotationFromVector(tilt * vector())};
     const double depth = depthOf(a, {}, b, poseB);
@@ -140,14 +140,14 @@ TEST(Penetration, IsTheSameForTurnedStates) {
 }
 
 TEST(Penetration, OfACornerInASideHasTheClosedForm) {
-  const model::Brick a = box(1, 1, 1);
+  const brick::Brick a = box(1, 1, 1);
   const Pose turned{{0.5 + std::sqrt(0.5) - 0.05, 0, 0}, rotationFromVector({0, 0, kPi / 4})};
   EXPECT_NEAR(depthOf(a, {}, a, turned), 0.05, 1e-14);  // measured 4e-17
 }
 
 TEST(Penetration, OfCrossedEdgesHasTheClosedForm) {
   // Two bars on edge, crossing at right angles: only the product of their long edges separates.
-  const model::Brick bar = box(10, 1, 1);
+  const brick::Brick bar = box(10, 1, 1);
   const Pose lower{Vector3::Zero(), rotationFromVector({kPi / 4, 0, 0})};
   Pose upper{{0, 0, 2 * std::sqrt(0.5) - 0.1},
              rotationFromVector({0, 0, kPi / 2}) * rotationFromVector({kPi / 4, 0, 0})};
@@ -161,8 +161,8 @@ TEST(Penetration, MatchesSampledDirections) {
   std::normal_distribution<double> normal;
   int overlapping = 0;
   for (int i = 0; i < 60; ++i) {
-    const model::Brick a = polygon(3 + i % 5, 1, i % 2 == 0 ? 0.4 : 0.01);
-    const model::Brick b = polygon(3 + i % 4, 0.8, 0.3);
+    const brick::Brick a = polygon(3 + i % 5, 1, i % 2 == 0 ? 0.4 : 0.01);
+    const brick::Brick b = polygon(3 + i % 4, 0.8, 0.3);
     const auto randomPose = [&](double reach) {
       const Quaternion turn(normal(random), normal(random), normal(random), normal(random));
       return Pose{reach * Vector3(normal(random), normal(random), normal(random)),
@@ -180,7 +180,7 @@ TEST(Penetration, MatchesSampledDirections) {
 }
 
 TEST(Penetration, IsTheSameForMovedAndSwappedBricks) {
-  const model::Brick a = polygon(5, 1, 0.3), b = polygon(3, 1, 0.2);
+  const brick::Brick a = polygon(5, 1, 0.3), b = polygon(3, 1, 0.2);
   const Pose poseB{{0.6, 0.2, 0.1}, rotationFromVector({0.5, 1, -0.3})};
   const double depth = depthOf(a, {}, b, poseB);
   EXPECT_GT(depth, 0.05);
@@ -194,26 +194,26 @@ TEST(Penetration, IsTheSameForMovedAndSwappedBricks) {
 TEST(Penetration, TouchingSheetsHaveOnlyRounding) {
   for (const double thickness : {0.001, 0.02, 1.0}) {
     for (const double angle : {0.0, 0.5, kPi / 2}) {
-      model::TessellationShape shape;
+      generate::TessellationShape shape;
       shape.columns = 7;
       shape.rows = 6;
-      const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
-      model::BrickRule rule;
+      const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, angle);
+      brick::BrickRule rule;
       rule.thickness = thickness;
-      const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
+      const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, rule);
       // measured 1e-16
-      EXPECT_LT(trajectory::deepestPenetration(bricks, model::startPoses(tiles, bricks)).depth,
+      EXPECT_LT(trajectory::deepestPenetration(bricks, brick::startPoses(tiles, bricks)).depth,
                 1e-14);
     }
   }
 }
 
 TEST(Penetration, FindsTheDeepestPairOfASheet) {
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = shape.rows = 12;
-  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, 0.5);
-  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {});
-  Poses poses = model::startPoses(tiles, bricks);
+  const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, 0.5);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, {});
+  Poses poses = brick::startPoses(tiles, bricks);
   poses[40].position.x() += 0.005;
   poses[100].position.y() += 0.015;
   const trajectory::Penetration found = trajectory::deepestPenetration(bricks, poses);
@@ -238,13 +238,13 @@ TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
   // Two squares joined at a corner, turned into each other by an angle: whole, a side of one has
   // its far end in the other; nothing changes there without the pivot's corners. Moved apart along
   // the sides' common line until only the corners overlap, no overlap is left.
-  model::TessellationShape shape;
+  generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  const model::Model model = model::makeTessellation(shape);
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
-  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
-  Poses poses = model::startPoses(model.tiles, bricks);
+  const model::Model model = generate::makeTessellation(shape);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});
+  const std::vector<brick::Pivot> pivots = brick::makePivots(model.joints, bricks);
+  Poses poses = brick::startPoses(model.tiles, bricks);
   poses[1].position.x() -= 0.01;
   EXPECT_NEAR(trajectory::deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
   EXPECT_NEAR(trajectory::deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0.01,
@@ -263,8 +263,8 @@ TEST(Penetration, AllPairsAreListedTheDeepestFirst) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
   }
-  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {.thickness = 1});
-  const Poses poses = model::startPoses(tiles, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, {.thickness = 1});
+  const Poses poses = brick::startPoses(tiles, bricks);
   const std::vector<trajectory::Penetration> all =
       trajectory::penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.05);
   ASSERT_EQ(all.size(), 2u);
@@ -283,8 +283,8 @@ TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
   }
-  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {.thickness = 1});
-  Poses poses = model::startPoses(tiles, bricks);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, {.thickness = 1});
+  Poses poses = brick::startPoses(tiles, bricks);
   trajectory::PenetrationMeter meter(bricks, {}, 0.05, poses, 1e-9);
   EXPECT_NEAR(meter.at(poses).outsidePivots, 0.1, 1e-12);
   EXPECT_NEAR(meter.at(poses).grown, 0, 1e-12);
@@ -297,8 +297,8 @@ TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
 }
 
 /// The same figures from the functions for a single state.
-trajectory::PenetrationDepths depthsOf(const std::vector<model::Brick>& bricks,
-                                       const std::vector<model::Pivot>& pivots, double zone,
+trajectory::PenetrationDepths depthsOf(const std::vector<brick::Brick>& bricks,
+                                       const std::vector<brick::Pivot>& pivots, double zone,
                                        const Poses& start, const Poses& poses) {
   trajectory::PenetrationDepths depths{trajectory::deepestPenetration(bricks, poses).depth};
   const auto before = trajectory::penetrationsOutsidePivots(bricks, pivots, zone, start, 0);
@@ -316,10 +316,10 @@ trajectory::PenetrationDepths depthsOf(const std::vector<model::Brick>& bricks,
 
 // Second method: what the meter remembers of earlier states must not change a bit of its figures.
 TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
-  const model::Model model = model::makeTessellation({.columns = 4, .rows = 3});
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = 0.2});
-  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
-  const Poses start = model::startPoses(model.tiles, bricks);
+  const model::Model model = generate::makeTessellation({.columns = 4, .rows = 3});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {.thickness = 0.2});
+  const std::vector<brick::Pivot> pivots = brick::makePivots(model.joints, bricks);
+  const Poses start = brick::startPoses(model.tiles, bricks);
   trajectory::PenetrationMeter meter(bricks, pivots, 0.05, start, 0);
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal(0, 0.05);
@@ -364,10 +364,10 @@ std::vector<Poses> motionOf(const Poses& from, const Poses& to, const std::vecto
 // Second method: the states one by one. Motions are long and short, straight and curved, in the
 // plane (where bricks are in one layer) and in space, from flush and from open sheets.
 TEST(PenetrationMeter, MeasuresAMotionLikeItsStates) {
-  const model::Model model = model::makeTessellation({.columns = 4, .rows = 3});
-  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = 0.2});
-  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
-  const Poses start = model::startPoses(model.tiles, bricks);
+  const model::Model model = generate::makeTessellation({.columns = 4, .rows = 3});
+  const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {.thickness = 0.2});
+  const std::vector<brick::Pivot> pivots = brick::makePivots(model.joints, bricks);
+  const Poses start = brick::startPoses(model.tiles, bricks);
   constexpr double kAny = std::numeric_limits<double>::infinity();
   std::mt19937_64 generator(11);
   std::normal_distribution<double> normal(0, 1);
@@ -416,7 +416,7 @@ TEST(PenetrationMeter, MeasuresAMotionLikeItsStates) {
 
 // A rod swings past the edge of a plate: it overlaps in the middle of the motion only.
 TEST(PenetrationMeter, SeesAnOverlapBetweenTheEndsOfAMotion) {
-  const std::vector<model::Brick> bricks = {box(1, 1, 0.1), box(2, 0.1, 0.1)};
+  const std::vector<brick::Brick> bricks = {box(1, 1, 0.1), box(2, 0.1, 0.1)};
   const Poses start = {{{0, 0, 0}, Quaternion::Identity()}, {{0, 9, 0}, Quaternion::Identity()}};
   trajectory::PenetrationMeter meter(bricks, {}, 0.05, start, 0);
   std::vector<Poses> states;
@@ -437,7 +437,7 @@ TEST(PenetrationMeter, SeesAnOverlapBetweenTheEndsOfAMotion) {
 
 TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
-  const std::vector<model::Brick> bricks(many.size(), box(1, 1, 0.1));
+  const std::vector<brick::Brick> bricks(many.size(), box(1, 1, 0.1));
   trajectory::PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
   EXPECT_FALSE(heap.seesAllPairs());
   EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
@@ -446,7 +446,7 @@ TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   Poses moved = many;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
   EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);
-  const std::vector<model::Brick> fewer(few.size(), bricks.front());
+  const std::vector<brick::Brick> fewer(few.size(), bricks.front());
   EXPECT_TRUE(trajectory::PenetrationMeter(fewer, {}, 0.05, few, 1e-9).seesAllPairs());
 }
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/lattice.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/trajectory/run_curves.h"
 #include "tests/support/files.h"
@@ -23,7 +23,7 @@ constexpr double kTolerance = 1e-9;
 struct RotatingSquares {
   explicit RotatingSquares(double halfOpening)
       : turn(halfOpening),
-        tiles(model::tessellationTiles(test::squares(kColumns, kRows, 0), 2 * halfOpening)) {}
+        tiles(generate::tessellationTiles(test::squares(kColumns, kRows, 0), 2 * halfOpening)) {}
 
   double cell() const { return std::cos(turn) + std::sin(turn); }
   /// The box without a triangle at each corner, whose sides are sin and cos.
@@ -165,15 +165,15 @@ TEST(Shape, CoversNothingKnownInSpace) {
 /// The run of the squares from shut to an opening of `end`, radians, at an even pace in 1 s.
 trajectory::Trajectory openingSquares(double end, int samples) {
   trajectory::Trajectory run;
-  run.model = model::makeTessellation(test::squares(kColumns, kRows, 0));
+  run.model = generate::makeTessellation(test::squares(kColumns, kRows, 0));
   run.model.target.reset();
-  run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
+  run.bricks = brick::makeBricks(run.model.tiles, run.brickRule);
   for (int k = 0; k < samples; ++k) {
     trajectory::Sample sample;
     sample.time = static_cast<double>(k) / (samples - 1);
     const double opening = end * sample.time;
     const std::vector<model::Tile> tiles =
-        model::tessellationTiles(test::squares(kColumns, kRows, 0), opening);
+        generate::tessellationTiles(test::squares(kColumns, kRows, 0), opening);
     for (std::size_t t = 0; t < tiles.size(); ++t) {
       const Vector3 side = tiles[t].vertices[1] - tiles[t].vertices[0];
       const Vector3 shut = run.model.tiles[t].vertices[1] - run.model.tiles[t].vertices[0];

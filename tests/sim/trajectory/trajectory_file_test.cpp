@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/lattice.h"
-#include "sim/model/model_formats.h"
-#include "sim/model/read_model.h"
+#include "sim/formats/model_formats.h"
+#include "sim/formats/read_model.h"
+#include "sim/generate/lattice.h"
 #include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"
 #include "tests/support/pair_forces.h"
@@ -31,14 +31,14 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 /// A pin and a neck of random bits.
-std::vector<model::Ligament> randomLigaments(std::mt19937_64& generator) {
+std::vector<brick::Ligament> randomLigaments(std::mt19937_64& generator) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e-300); };
-  model::Ligament pin{0, 4, 3, vector(), vector(), Vector3::Zero(), vector().normalized()};
+  brick::Ligament pin{0, 4, 3, vector(), vector(), Vector3::Zero(), vector().normalized()};
   pin.stretchStiffness = uniform(generator);
   pin.shearStiffness = uniform(generator);
   pin.opening = {uniform(generator), uniform(generator)};
-  model::Ligament neck{5, 1, 2, vector(), vector(), vector(), Vector3::UnitY()};
+  brick::Ligament neck{5, 1, 2, vector(), vector(), vector(), Vector3::UnitY()};
   neck.stretchStiffness = 1e300;
   return {pin, neck};
 }
@@ -46,7 +46,7 @@ std::vector<model::Ligament> randomLigaments(std::mt19937_64& generator) {
 /// Poses of random bits, which show any lost digit.
 trajectory::Trajectory randomTrajectory(int samples) {
   scene::Scene scene;
-  scene.model = model::makeTessellation({});
+  scene.model = generate::makeTessellation({});
   scene.environment.ground = scene::Ground{-0.25, 0.125};
   scene.brick.thickness = 0.1;
   scene::Obstacle sphere;
@@ -142,7 +142,7 @@ void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& 
   expectSame(a.brickRule, b.brickRule);
   EXPECT_EQ(a.ground.has_value(), b.ground.has_value());
   EXPECT_EQ(a.settings, b.settings);
-  expectSameValue(model::ligamentsOf(a.pairForces), model::ligamentsOf(b.pairForces), "ligaments");
+  expectSameValue(brick::ligamentsOf(a.pairForces), brick::ligamentsOf(b.pairForces), "ligaments");
 }
 
 /// Panels of random bits, with a node for each vertex.
@@ -244,14 +244,14 @@ TEST(TrajectoryFile, KeepsTheSheetOfAFoldFile) {
       "vertices_coords": [[0,0,0],[1,0,0],[2,0,0],[2,1,0],[1,1,0],[0,1,0],[9,9,0]]}]})");
   std::vector<std::string> warnings;
   scene::Scene scene;
-  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.model = formats::readModel(folder / "a.fold", std::nullopt, warnings);
   trajectory::Trajectory run{trajectory::subjectOf(scene)};
-  run.samples.emplace_back().poses = model::startPoses(run.model.tiles, run.bricks);
+  run.samples.emplace_back().poses = brick::startPoses(run.model.tiles, run.bricks);
   trajectory::writeTrajectory(run, folder / "run.h5");
   const model::Model read = trajectory::readTrajectory(folder / "run.h5").model;
-  EXPECT_EQ(model::foldText(read), model::foldText(scene.model));
-  const std::vector<model::FoldState> states = {{"t = 0 s", {}}, {"t = 1 s", scene.model.tiles}};
-  EXPECT_EQ(model::foldText(read, states), model::foldText(scene.model, states));
+  EXPECT_EQ(formats::foldText(read), formats::foldText(scene.model));
+  const std::vector<formats::FoldState> states = {{"t = 0 s", {}}, {"t = 1 s", scene.model.tiles}};
+  EXPECT_EQ(formats::foldText(read, states), formats::foldText(scene.model, states));
   EXPECT_EQ(read.waypoints.size(), 1U);
 }
 
@@ -411,7 +411,7 @@ TEST(TrajectoryFile, RefusesContradictions) {
             "error: a pose in position or rotation is not finite, or not a rotation" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
             "error: model/joints names vertex 4 of tile " +
-                std::to_string(model::makeTessellation({}).joints[0].b.tile) +
+                std::to_string(generate::makeTessellation({}).joints[0].b.tile) +
                 ", which does not exist" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) {
               t.model.joints[0].face = static_cast<model::JointFace>(7);
@@ -459,20 +459,20 @@ TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
   const auto refusalWith = [](const auto& change) {
     return refusalAfter([&](trajectory::Trajectory& t) {
       std::mt19937_64 generator(2);
-      std::vector<model::Ligament> ligaments = randomLigaments(generator);
+      std::vector<brick::Ligament> ligaments = randomLigaments(generator);
       change(ligaments[1]);
       t.pairForces = test::pairForces({}, ligaments);
     });
   };
-  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.brickB = 16; }),
+  EXPECT_EQ(refusalWith([](brick::Ligament& l) { l.brickB = 16; }),
             "error: model/joints names vertex 0 of tile 16, which does not exist" + advice);
   const std::string noJoint =
       "error: ligaments/joint does not name a joint of the model for each ligament" + advice;
-  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = 24; }), noJoint);
-  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = -1; }), noJoint);
-  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.across *= 2; }),
+  EXPECT_EQ(refusalWith([](brick::Ligament& l) { l.joint = 24; }), noJoint);
+  EXPECT_EQ(refusalWith([](brick::Ligament& l) { l.joint = -1; }), noJoint);
+  EXPECT_EQ(refusalWith([](brick::Ligament& l) { l.across *= 2; }),
             "error: the direction of ligament 1 in ligaments/across is not a unit vector" + advice);
-  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.shearStiffness = NAN; }),
+  EXPECT_EQ(refusalWith([](brick::Ligament& l) { l.shearStiffness = NAN; }),
             "error: the array ligaments/shear has a number that is not finite" + advice);
 }
 

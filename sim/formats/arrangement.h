@@ -1,0 +1,128 @@
+/// Arrangement of lines in the plane: their intersections, and the faces between them.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "sim/formats/drawing.h"
+
+namespace kirireel::formats {
+
+/// Numbered points of the plane. Points within a tolerance are one.
+class PointNumbers {
+ public:
+  /// Cells are relative to `origin`, a point of the drawing, which keeps their numbers small.
+  PointNumbers(double tolerance, const Vector2& origin) : tolerance_(tolerance), origin_(origin) {}
+
+  /// The number of the known point at this position; absent if there is none.
+  std::optional<int> find(const Vector2& point) const;
+  /// The number of the point; a new one if no known point is near.
+  int add(const Vector2& point);
+
+  const Vector2& operator[](int number) const { return points_[number]; }
+  int count() const { return static_cast<int>(points_.size()); }
+  const std::vector<Vector2>& points() const { return points_; }
+
+ private:
+  std::pair<long, long> cellOf(const Vector2& point) const;
+
+  double tolerance_;
+  Vector2 origin_;
+  std::vector<Vector2> points_;
+  std::unordered_map<long, std::vector<int>> cells_;
+};
+
+/// A straight segment, metres.
+using PlaneSegment = std::pair<Vector2, Vector2>;
+
+/// The z of the cross product.
+inline double crossOf(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Calls visit(i, j), i != j, once per pair of segments whose boxes are within reach, metres.
+template <typename Visit>
+void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit);
+
+/// The planar subdivision by segments. Ends and crossings within the tolerance are one node. An end
+/// within the tolerance of another segment lies on it. Coinciding pieces are one edge. Edge e has
+/// the half edges 2 e, from first to second, and 2 e + 1, in reverse.
+class Arrangement {
+ public:
+  /// The cost is a sort, and a test of each pair of segments with overlapping boxes.
+  Arrangement(const std::vector<PlaneSegment>& segments, double tolerance);
+
+  const std::vector<Vector2>& nodes() const { return numbers_.points(); }
+  const std::vector<std::pair<int, int>>& edges() const { return edges_; }
+  /// The node at a position; absent if there is none.
+  std::optional<int> nodeAt(const Vector2& place) const { return numbers_.find(place); }
+  /// Half edges that start at a node, anticlockwise.
+  const std::vector<int>& leaving(int node) const { return leaving_[node]; }
+  int from(int half) const { return half % 2 ? edges_[half / 2].second : edges_[half / 2].first; }
+  int to(int half) const { return from(half ^ 1); }
+  const Vector2& at(int node) const { return numbers_[node]; }
+
+  /// Drops edges with the same face on both sides: open ends and bridges.
+  void dropBridges();
+
+  /// The cycles of half edges with a face on their left. Clockwise cycles are the outer boundaries
+  /// of connected parts.
+  const std::vector<std::vector<int>>& cycles() const { return cycles_; }
+  /// The number of the cycle of a half edge.
+  int cycleOf(int half) const { return cycleOf_[half]; }
+  /// The area inside a cycle, square metres; < 0 for clockwise cycles.
+  double areaOf(int cycle) const;
+  /// The number of each node's connected part.
+  std::vector<int> parts() const;
+
+ private:
+  void connect();
+
+  PointNumbers numbers_;
+  std::vector<std::pair<int, int>> edges_;
+  std::vector<std::vector<int>> leaving_;
+  std::vector<std::vector<int>> cycles_;
+  std::vector<int> cycleOf_;
+};
+
+/// Whether the point is within a closed polygon, by the crossings of a ray along x.
+bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point);
+
+/// The area of a closed polygon, > 0 if anticlockwise.
+double ringArea(const std::vector<Vector2>& ring);
+
+/// The points of a chain to keep, including both ends, for a simplification within the tolerance
+/// (D. H. Douglas, T. K. Peucker 1973).
+std::vector<bool> simplifiedChain(const std::vector<Vector2>& chain, double tolerance);
+
+// ------------------------------------------------------------------------------------------------
+
+template <typename Visit>
+void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit) {
+  struct SegmentBox {
+    double left, right, low, high;
+    int number;
+  };
+  std::vector<SegmentBox> boxes;
+  boxes.reserve(segments.size());
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Vector2 low = segments[k].first.cwiseMin(segments[k].second);
+    const Vector2 high = segments[k].first.cwiseMax(segments[k].second);
+    boxes.push_back({low.x() - reach / 2, high.x() + reach / 2, low.y() - reach / 2,
+                     high.y() + reach / 2, static_cast<int>(k)});
+  }
+  std::sort(boxes.begin(), boxes.end(), [](const SegmentBox& a, const SegmentBox& b) {
+    return a.left != b.left ? a.left < b.left : a.number < b.number;
+  });
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].left <= boxes[i].right; ++j) {
+      if (boxes[j].low > boxes[i].high || boxes[j].high < boxes[i].low) continue;
+      visit(boxes[i].number, boxes[j].number);
+    }
+  }
+}
+
+}  // namespace kirireel::formats

@@ -1,0 +1,145 @@
+// Functions of both readers of drawings. A file is read twice: first coarsely for its size, then
+// with curves flattened to 5e-5 of that size.
+#include "sim/formats/drawing.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <system_error>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "sim/base/files.h"
+#include "sim/formats/text_table.h"
+
+namespace kirireel::formats {
+namespace {
+
+// Fraction of the drawing's size.
+constexpr double kFlattening = 5e-5;
+constexpr const char* kDrawingPurpose = "give an SVG or an ASCII DXF file with lines to cut";
+
+/// Windows programs write UTF-16. Only ASCII characters matter in a DXF file.
+std::string withoutWideCharacters(const std::string& text) {
+  const bool isLittle = text.starts_with("\xff\xfe"), isBig = text.starts_with("\xfe\xff");
+  if (!isLittle && !isBig) return text;
+  std::string narrow;
+  for (std::size_t k = 2; k + 1 < text.size(); k += 2) narrow += text[k + (isBig ? 1 : 0)];
+  return narrow;
+}
+
+}  // namespace
+
+std::string Drawing::place(const Vector2& point) const {
+  const Vector2 own = (point - origin) / unit;
+  return fmt::format("({:.6g}, {:.6g}) {}", own.x(), isDownwards ? 0.0 - own.y() : own.y(),
+                     unitName);
+}
+
+double Drawing::size() const {
+  Eigen::AlignedBox2d box;
+  for (const DrawnPath& path : paths) {
+    for (const Vector2& point : path.points) box.extend(point);
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return lower;
+}
+
+double DecimalCounts::lastPlace() const {
+  const auto most = std::max_element(numbers.begin() + 1, numbers.end());
+  const auto decimals = std::distance(numbers.begin(), most);
+  return *most == 0 ? 1 : decimals < 7 ? std::pow(10.0, -static_cast<double>(decimals)) : 0;
+}
+
+double drawnNumber(std::string_view text, const FileLocation& place, DecimalCounts* decimals) {
+  std::string typed(text);
+  std::ranges::replace(typed, ',', '.');
+  const char* begin = typed.data() + (typed.starts_with('+') ? 1 : 0);
+  double value = 0;
+  const char* const end = typed.data() + typed.size();
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value)) {
+    throw inputErrorAt(place, fmt::format("'{}' is not a number. Correct it, or save the drawing "
+                                          "again",
+                                          shown(text, 24)));
+  }
+  const std::size_t point = typed.find('.');
+  const std::size_t exponent = std::min(typed.find_first_of("eE"), typed.size());
+  const std::size_t count = exponent < typed.size() ? 15
+                            : point < exponent      ? exponent - point - 1
+                                                    : 0;
+  if (decimals) ++decimals->numbers[std::min<std::size_t>(count, 15)];
+  return value;
+}
+
+void addArc(std::vector<Vector2>& points, const Vector2& centre, const Vector2& first,
+            const Vector2& second, double from, double sweep, double flattening) {
+  const double radius = std::max(first.norm(), second.norm());
+  const double share = radius > 0 ? std::min(flattening / radius, 0.07) : 0.07;
+  // At most 45 degrees per piece, which keeps small circles round.
+  const double step = std::max(2 * std::acos(1 - share), 2e-3);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / step)));
+  for (int k = 1; k <= pieces; ++k) {
+    const double angle = from + sweep * k / pieces;
+    points.push_back(centre + std::cos(angle) * first + std::sin(angle) * second);
+  }
+}
+
+void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file) {
+  std::vector<Vector2> points;
+  for (const Vector2& point : path.points) {
+    if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kMaxCoordinate) {
+      throw inputErrorAt(
+          {file},
+          fmt::format(
+              "a line has the point ({:.6g}, {:.6g}) m, but coordinates must be within {:g} m",
+              point.x(), point.y(), kMaxCoordinate));
+    }
+    if (points.empty() || points.back() != point) points.push_back(point);
+  }
+  if (points.size() > 3 && points.front() == points.back()) path.isClosed = true;
+  if (path.isClosed && points.size() > 1 && points.front() == points.back()) points.pop_back();
+  if (points.size() < 2) {
+    ++drawing.ignored["line without length"];
+    return;
+  }
+  path.isClosed = path.isClosed && points.size() > 2;
+  path.points = std::move(points);
+  std::size_t count = path.points.size();
+  drawing.paths.push_back(std::move(path));
+  for (std::size_t k = 0; k + 1 < drawing.paths.size() && drawing.paths.size() % 4096 == 0; ++k) {
+    count += drawing.paths[k].points.size();
+  }
+  if (count <= kMostDrawnPoints && drawing.paths.size() <= kMostDrawnPoints / 2) return;
+  throw inputErrorAt(
+      {file}, fmt::format("the drawing has more than {} points. Remove lines that are not cuts",
+                          kMostDrawnPoints));
+}
+
+bool isDrawing(const std::filesystem::path& file) {
+  const std::string ending = endingOf(file);
+  return ending == ".svg" || ending == ".dxf";
+}
+
+Drawing readDrawing(const std::filesystem::path& file) {
+  const std::string text = readTextFile(file, kDrawingPurpose);
+  const bool isSvg = endingOf(file) == ".svg";
+  const std::string pairs = isSvg ? "" : withoutWideCharacters(text);
+  const auto read = [&](double flattening) {
+    return isSvg ? readSvgDrawing(file, text, flattening) : readDxfDrawing(file, pairs, flattening);
+  };
+  // A drawing without curves is the same at any tolerance.
+  Drawing coarse = read(1e3);
+  return coarse.flattening > 0 ? read(kFlattening * coarse.size()) : coarse;
+}
+
+}  // namespace kirireel::formats

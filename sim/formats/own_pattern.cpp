@@ -1,0 +1,430 @@
+// Converts Kirireel's own cut patterns from lines to tiles.
+//
+// A cut pattern draws each side of a tile as a line in the tile's orientation (its inside on the
+// left). Sides shared by two tiles are drawn once, as slits. At each joint m a neck of material
+// remains: the two sides around the narrower gap end before m. A line on the layer of hinges goes
+// from m to h, the middle between their ends. If the gap is open, a cut connects these ends.
+//
+// 1. *Necks* are removed: cuts whose middle is the h of a hinge.
+// 2. *Ends* that a hinge shortened are moved back to its m: ends at its h, ends of its neck, and
+//    ends of a single line that points at an m (if several hinges shortened one side).
+// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the first one clockwise
+//    from the reverse of the incoming side. The tile's own corner lies between them.
+// 4. *Joints* connect the corners at m whose sides bound the gap with the hinge's line.
+//
+// Step 3 traces the faces of a planar straight-line graph, as in a doubly connected edge list (M.
+// de Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
+// tile on one side and are traced in one direction. Slits have a tile on both sides.
+//
+// All tolerances are fractions of the pattern's size: 1e-7 for points, ten times that for ends
+// computed from a neck, a hundred times that for directions written with few digits. In a drawing
+// with fewer digits they are 2, 4 and 6 units of the last digit.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/formats/cut_pattern.h"
+#include "sim/formats/tile_checks.h"
+
+namespace kirireel::formats {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPatternPurpose = "give a cut pattern from `kirireel export`";
+// Points nearer than this fraction of the pattern's size are one.
+constexpr double kSamePatternPoint = 1e-7;
+// Sides whose directions differ by less than this, radians, are parallel.
+constexpr double kSamePatternDirection = 1e-6;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+enum class LineLayer { Cuts, Slits, Hinges, Other };
+
+/// The layer from the first name that is a layer of ours. Editors may have added other layers.
+LineLayer layerOf(const DrawnPath& path) {
+  for (const std::string& name : path.names) {
+    if (name == "cuts") return LineLayer::Cuts;
+    if (name == "slits") return LineLayer::Slits;
+    if (name == "hinges") return LineLayer::Hinges;
+  }
+  return LineLayer::Other;
+}
+
+struct DrawnLine {
+  LineLayer layer = LineLayer::Cuts;
+  Vector2 from = Vector2::Zero();
+  Vector2 to = Vector2::Zero();
+};
+
+InputError patternFault(const fs::path& file, const std::string& what) {
+  return inputErrorAt({file}, fmt::format("{}; {}", what, kPatternPurpose));
+}
+
+std::vector<DrawnLine> linesOf(const Drawing& drawing) {
+  std::vector<DrawnLine> lines;
+  for (const DrawnPath& path : drawing.paths) {
+    const LineLayer layer = layerOf(path);
+    if (layer == LineLayer::Other) continue;
+    for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+      lines.push_back({layer, path.points[k], path.points[k + 1]});
+    }
+    if (path.isClosed) lines.push_back({layer, path.points.back(), path.points.front()});
+  }
+  return lines;
+}
+
+double angleOf(const Vector2& direction) {
+  return std::atan2(direction.y(), direction.x());
+}
+
+struct DrawnNeck {
+  Vector2 joint;   ///< m
+  Vector2 middle;  ///< h
+};
+
+/// A directed side of a tile, with the tile on its left.
+struct DirectedSide {
+  int from = 0;
+  int to = 0;
+  int twin = -1;  ///< the same slit in the opposite direction; -1 for cuts
+  int tile = -1;
+  int vertex = -1;         ///< index of its start within its tile
+  bool isReverse = false;  ///< the second side of a slit
+};
+
+class PatternReader {
+ public:
+  PatternReader(const Drawing& drawing, const fs::path& file)
+      : lines_(linesOf(drawing)),
+        drawing_(drawing),
+        file_(file),
+        isRounded_(2 * drawing.rounding > kSamePatternPoint * sizeOf(lines_)),
+        tolerance_(isRounded_ ? std::min(2 * drawing.rounding, 1e-4 * sizeOf(lines_))
+                              : kSamePatternPoint * sizeOf(lines_)),
+        origin_(lines_.empty() ? Vector2(0, 0) : lines_.front().from),
+        points_(tolerance_, origin_) {
+    if (!(tolerance_ > 0)) throw patternFault(file_, "the file has no lines of a sheet");
+    takeNecks();
+    restoreEnds();
+    for (const DirectedSide& side : sides_) {
+      const double length = (points_[side.to] - points_[side.from]).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, 2 * tolerance_ / length);
+    }
+    for (const DrawnNeck& neck : necks_) {
+      const double length = (neck.middle - neck.joint).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, tolerance_ / length);
+    }
+    sameDirection_ = std::min(sameDirection_, 0.02);
+    for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      // The reverse sides of slits come last, so tiles begin with their own lines.
+      if (!sides_[k].isReverse && sides_[k].tile < 0) traceTile(k);
+    }
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      if (sides_[k].tile < 0) traceTile(k);
+    }
+  }
+
+  // One tile for each cycle, in tracing order.
+  std::vector<model::Tile> tiles() const {
+    std::vector<model::Tile> tiles;
+    for (const std::vector<int>& cycle : cycles_) {
+      model::Tile& tile = tiles.emplace_back();
+      for (const int side : cycle) {
+        const Vector2& point = points_[sides_[side].from];
+        tile.vertices.emplace_back(point.x(), point.y(), 0);
+      }
+    }
+    return tiles;
+  }
+
+  // One joint for each drawn hinge.
+  std::vector<model::Joint> joints() {
+    std::vector<model::Joint> joints;
+    for (const DrawnNeck& neck : necks_) joints.push_back(jointAt(neck));
+    return joints;
+  }
+
+ private:
+  double endTolerance() const { return (isRounded_ ? 2 : 10) * tolerance_; }
+  double directionTolerance() const { return (isRounded_ ? 3 : 100) * tolerance_; }
+
+  // Diagonal of the bounding box of all lines, metres.
+  static double sizeOf(const std::vector<DrawnLine>& lines) {
+    Eigen::AlignedBox2d box;
+    for (const DrawnLine& line : lines) box.extend(line.from).extend(line.to);
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+  }
+
+  /// Step 1: hinges, their necks, and the ends that they shortened.
+  void takeNecks() {
+    PointNumbers middles(endTolerance(), origin_);
+    for (const DrawnLine& line : lines_) {
+      if (line.layer != LineLayer::Hinges) continue;
+      necks_.push_back({line.from, line.to});
+      const int middle = middles.add(line.to);
+      if (middle < std::ssize(neckAt_)) continue;
+      neckAt_.push_back(static_cast<int>(necks_.size()) - 1);
+    }
+    shortened_ = PointNumbers(endTolerance(), origin_);
+    for (const int neck : neckAt_) addShortened(necks_[neck].middle, neck);
+    std::erase_if(lines_, [&](const DrawnLine& line) {
+      if (line.layer == LineLayer::Hinges) return true;
+      if (line.layer != LineLayer::Cuts) return false;
+      const auto middle = middles.find(0.5 * (line.from + line.to));
+      if (!middle) return false;
+      const int neck = neckAt_[*middle];
+      const Vector2& joint = necks_[neck].joint;
+      const double uneven = std::abs((line.from - joint).norm() - (line.to - joint).norm());
+      if (uneven > directionTolerance()) return false;
+      addShortened(line.from, neck);
+      addShortened(line.to, neck);
+      return true;
+    });
+  }
+
+  // Records that the hinge has shortened a side to this point. The first hinge counts.
+  void addShortened(const Vector2& point, int neck) {
+    const int number = shortened_.add(point);
+    if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
+  }
+
+  /// Whether the extension of a line from `other` to `end` reaches the joint.
+  bool pointsAt(const Vector2& joint, const Vector2& other, const Vector2& end) const {
+    const Vector2 along = (end - other).normalized();
+    const Vector2 rest = joint - end;
+    const double ahead = rest.dot(along);
+    return ahead > 0 && (rest - ahead * along).norm() <= directionTolerance();
+  }
+
+  /// Step 2.
+  void restoreEnds() {
+    std::unordered_map<int, int> uses;
+    PointNumbers ends(tolerance_, origin_);
+    for (const DrawnLine& line : lines_) {
+      ++uses[ends.add(line.from)];
+      ++uses[ends.add(line.to)];
+    }
+    for (const DrawnNeck& neck : necks_) points_.add(neck.joint);
+    for (const DrawnLine& line : lines_) {
+      const auto wholeEnd = [&](const Vector2& end, const Vector2& other) {
+        const std::optional<int> known = shortened_.find(end);
+        if (known && pointsAt(necks_[shortenedBy_[*known]].joint, other, end)) {
+          return necks_[shortenedBy_[*known]].joint;
+        }
+        const bool isLoose = uses[*ends.find(end)] == 1 && !points_.find(end);
+        return isLoose ? jointAhead(end, other) : end;
+      };
+      const Vector2 from = wholeEnd(line.from, line.to);
+      const Vector2 to = wholeEnd(line.to, line.from);
+      addSide(points_.add(from), points_.add(to), line.layer == LineLayer::Slits);
+    }
+  }
+
+  // The nearest joint in the direction of a line's end.
+  Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
+    const DrawnNeck* nearest = nullptr;
+    for (const DrawnNeck& neck : necks_) {
+      if (!pointsAt(neck.joint, other, end)) continue;
+      if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
+    }
+    if (nearest) return nearest->joint;
+    throw patternFault(
+        file_, fmt::format("the line that ends at {} is not connected", drawing_.place(end)));
+  }
+
+  // A slit becomes two sides, one for each tile. A cut has a tile only on its left.
+  void addSide(int from, int to, bool isSlit) {
+    if (from == to) throw patternFault(file_, "a line has no length");
+    const int number = static_cast<int>(sides_.size());
+    sides_.push_back({from, to, isSlit ? number + 1 : -1, -1, -1});
+
+    if (!isSlit) return;
+    sides_.push_back({to, from, number, -1, -1, true});
+  }
+
+  /// The angle in a range of one full turn, which begins just below 0 because of rounding.
+  double turnedBy(double angle) const {
+    double turn = std::fmod(angle, kTurn);
+    if (turn < -sameDirection_) turn += kTurn;
+    return turn >= kTurn - sameDirection_ ? turn - kTurn : turn;
+  }
+
+  /// Step 3.
+  int nextSide(int side) const {
+    const DirectedSide& incoming = sides_[side];
+    const Vector2& here = points_[incoming.to];
+    const double back = angleOf(points_[incoming.from] - here);
+    int best = -1;
+    double least = 2 * kTurn;
+    const auto found = leaving_.find(incoming.to);
+    if (found == leaving_.end()) return -1;
+    for (const int candidate : found->second) {
+      // The reverse of the incoming slit would turn back at its end.
+      if (candidate == incoming.twin) continue;
+      double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
+      // A side along the reverse direction closes a corner of a full turn: the last choice.
+      if (corner <= sameDirection_) corner += kTurn;
+      if (corner >= least) continue;
+      least = corner;
+      best = candidate;
+    }
+    return best;
+  }
+
+  // Follows sides until the first one comes again.
+  void traceTile(int first) {
+    std::vector<int> cycle;
+    int side = first;
+    do {
+      sides_[side].tile = static_cast<int>(cycles_.size());
+      sides_[side].vertex = static_cast<int>(cycle.size());
+      cycle.push_back(side);
+      side = nextSide(side);
+      // The line ends, another tile has this side, or the cycle is longer than any tile.
+      const bool isStray =
+          side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > model::kMostTileVertices;
+      if (isStray) {
+        const Vector2& where = points_[sides_[cycle.back()].to];
+        throw patternFault(
+            file_, fmt::format("the lines around {} do not enclose tiles", drawing_.place(where)));
+      }
+    } while (side != first);
+    cycles_.push_back(std::move(cycle));
+  }
+
+  /// Step 4.
+  model::Joint jointAt(const DrawnNeck& neck) {
+    const int place = *points_.find(neck.joint);
+    const double towards = angleOf(neck.middle - neck.joint);
+    std::optional<model::Corner> before, after;
+    double leastBefore = 2 * kTurn, leastAfter = 2 * kTurn;
+    for (const int side : leaving_[place]) {
+      const DirectedSide& leaving = sides_[side];
+      const model::Corner corner{leaving.tile, leaving.vertex};
+      // The angle from the hinge's line to this side, anticlockwise; the tile is on its left.
+      const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
+      // The incoming side of the same tile bounds its corner on the other side.
+      const std::vector<int>& cycle = cycles_[leaving.tile];
+      const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
+      const double gapBefore =
+          turnedBy(towards - angleOf(points_[sides_[last].from] - points_[place]));
+      if (gapAfter < leastAfter) {
+        leastAfter = gapAfter;
+        after = corner;
+      }
+      if (gapBefore < leastBefore) {
+        leastBefore = gapBefore;
+        before = corner;
+      }
+    }
+    if (!before || !after || before->tile == after->tile) {
+      throw patternFault(file_, fmt::format("the hinge at {} does not join two tiles",
+                                            drawing_.place(neck.joint)));
+    }
+    model::Joint joint{*before, *after, model::JointFace::Both};
+    joint.neck.width = (neck.middle - neck.joint).norm();
+    return joint;
+  }
+
+  std::vector<DrawnLine> lines_;
+  const Drawing& drawing_;
+  const fs::path& file_;
+  bool isRounded_;
+  double tolerance_;                              // metres
+  double sameDirection_ = kSamePatternDirection;  // radians
+  Vector2 origin_;
+  std::vector<DrawnNeck> necks_;
+  std::vector<int> neckAt_;  // by the numbers of their middles
+  PointNumbers shortened_{1, {0, 0}};
+  std::vector<int> shortenedBy_;
+  PointNumbers points_;  // of the sheet
+  std::vector<DirectedSide> sides_;
+  std::unordered_map<int, std::vector<int>> leaving_;  // sides by their start point
+  std::vector<std::vector<int>> cycles_;
+};
+
+std::vector<Vector2> ringOf(const model::Tile& tile) {
+  std::vector<Vector2> ring;
+  for (const Vector3& vertex : tile.vertices) ring.push_back(vertex.head<2>());
+  return ring;
+}
+
+/// In a flat sheet, closed lines within a tile are the outline of a hole.
+void refuseHoles(const std::vector<model::Tile>& tiles, double tolerance, const Drawing& drawing,
+                 const fs::path& file) {
+  struct ViewPlace {
+    int tile = 0;
+    Eigen::AlignedBox2d box;
+  };
+  std::vector<ViewPlace> places;  // from the left
+  for (int i = 0; i < std::ssize(tiles); ++i) {
+    ViewPlace& place = places.emplace_back();
+    place.tile = i;
+    for (const Vector3& vertex : tiles[i].vertices) place.box.extend(vertex.head<2>());
+  }
+  std::ranges::stable_sort(places, {}, [](const ViewPlace& place) { return place.box.min().x(); });
+  const Vector2 margin = Vector2::Constant(tolerance);
+  for (auto inner = places.begin(); inner != places.end(); ++inner) {
+    const Eigen::AlignedBox2d wide(inner->box.min() - margin, inner->box.max() + margin);
+    const std::vector<Vector3>& outline = tiles[inner->tile].vertices;
+    for (auto outer = places.begin(); outer != inner; ++outer) {
+      const model::Tile& around = tiles[outer->tile];
+      const bool isHole =
+          outer->box.contains(wide) && std::ranges::all_of(outline, [&](const Vector3& vertex) {
+            return isWithinRing(ringOf(around), vertex.head<2>());
+          });
+      if (!isHole) continue;
+      throw inputErrorAt(
+          {file},
+          fmt::format("the lines around {} cut a hole into a tile. Tiles cannot have holes. Remove "
+                      "the hole, or divide the tile into hinged tiles without holes",
+                      drawing.place(outline[0].head<2>())));
+    }
+  }
+}
+
+}  // namespace
+
+TileTable patternTable(const fs::path& file, const std::vector<model::Tile>& tiles) {
+  TileTable table;
+  table.file = file;
+  table.tiles = tiles;
+  for (const model::Tile& tile : tiles) {
+    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  }
+  return table;
+}
+
+bool isOwnPattern(const Drawing& drawing) {
+  bool hasCuts = false, hasOthers = false;
+  for (const DrawnPath& path : drawing.paths) {
+    const LineLayer layer = layerOf(path);
+    hasCuts |= layer == LineLayer::Cuts;
+    hasOthers |= layer == LineLayer::Slits || layer == LineLayer::Hinges;
+  }
+  return hasCuts && hasOthers;
+}
+
+model::Model ownPattern(const Drawing& drawing, const fs::path& file,
+                        std::vector<std::string>& warnings) {
+  PatternReader reader(drawing, file);
+  model::Model model;
+  model.name = file.stem().string();
+  model.tiles = reader.tiles();
+  if (model.tiles.empty()) throw patternFault(file, "the file has no tiles");
+  const TileTable table = patternTable(file, model.tiles);
+  checkTiles(table);
+  refuseHoles(model.tiles, kSamePatternPoint * model::modelSize(model), drawing, file);
+  model.joints = reader.joints();
+  turnClockwiseTiles(table, model, warnings);
+  return model;
+}
+
+}  // namespace kirireel::formats

@@ -1,0 +1,664 @@
+// Cut patterns of others as models: drawings made here, with what their designs are known to be.
+#include "sim/formats/cut_pattern.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/formats/read_model.h"
+#include "tests/support/files.h"
+
+namespace kirireel::formats {
+namespace {
+
+using test::TemporaryFolder;
+using testing::HasSubstr;
+using Point = Eigen::Vector2d;
+using Line = std::pair<Point, Point>;
+
+struct Reading {
+  model::Model model;
+  std::string note;
+  std::string refusal;
+};
+
+Reading read(const std::string& name, const std::string& text, const ReadSettings& settings = {}) {
+  const TemporaryFolder folder;
+  folder.write(name, text);
+  Reading reading;
+  std::vector<std::string> warnings;
+  try {
+    reading.model = readModel(folder.path() / name, std::nullopt, warnings, settings);
+  } catch (const InputError& error) {
+    reading.refusal = error.what();
+  }
+  for (const std::string& one : warnings) reading.note += one + "\n";
+  return reading;
+}
+
+/// A page in millimetres.
+std::string page(const std::string& content) {
+  return "<svg width=\"400mm\" height=\"400mm\" viewBox=\"0 0 400 400\" fill=\"none\" "
+         "stroke=\"black\">" +
+         content + "</svg>";
+}
+
+std::string path(const Point& from, const Point& to, int digits = 17,
+                 const std::string& style = "") {
+  return fmt::format("<path {}d=\"M{:.{}f} {:.{}f}L{:.{}f} {:.{}f}\"/>\n", style, from.x(), digits,
+                     from.y(), digits, to.x(), digits, to.y(), digits);
+}
+
+std::string closedPath(const std::vector<Point>& points, int digits = 9) {
+  std::string d;
+  for (const Point& p : points)
+    d += fmt::format("{}{:.{}f} {:.{}f}", d.empty() ? "M" : "L", p.x(), digits, p.y(), digits);
+  return "<path d=\"" + d + "Z\"/>\n";
+}
+
+/// Rotating squares, n x n of 20 mm: at each corner the cuts along one direction go through and
+/// those along the other stop short of them by a neck.
+struct SlitGrid {
+  int n = 4;
+  std::vector<Line> slits;
+  std::vector<Point> joints;
+
+  SlitGrid(int count, const std::function<double()>& neck) : n(count) {
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        if (i < n && j > 0 && j < n) add({i, j}, {i + 1, j}, (i + j) % 2 == 1, neck());
+        if (j < n && i > 0 && i < n) add({i, j}, {i, j + 1}, (i + j) % 2 == 0, neck());
+      }
+    }
+  }
+  void add(const Point& a, const Point& b, bool isShortAtFirst, double neck) {
+    const Point along = (b - a).normalized();
+    Line slit(20 * a, 20 * b);
+    joints.push_back(isShortAtFirst ? slit.first : slit.second);
+    if (isShortAtFirst) {
+      slit.first += neck * along;
+    } else {
+      slit.second -= neck * along;
+    }
+    slits.push_back(slit);
+  }
+  std::vector<Point> outline() const {
+    const double side = 20.0 * n;
+    return {{0, 0}, {side, 0}, {side, side}, {0, side}};
+  }
+};
+
+/// Corners of joints and areas of tiles are those of the grid, within a tolerance in millimetres.
+void expectGrid(const Reading& reading, const SlitGrid& grid, const Eigen::Affine2d& move,
+                double tolerance) {
+  ASSERT_EQ(reading.refusal, "");
+  const model::Model& model = reading.model;
+  EXPECT_EQ(std::ssize(model.tiles), grid.n * grid.n);
+  ASSERT_EQ(model.joints.size(), grid.joints.size());
+  for (const model::Tile& tile : model.tiles) {
+    EXPECT_EQ(tile.vertices.size(), 4U);
+    EXPECT_NEAR(1e6 * model::tileArea(tile), 400, 40 * tolerance);
+  }
+  for (const model::Joint& joint : model.joints) {
+    const Vector3& a = model.tiles[joint.a.tile].vertices[joint.a.vertex];
+    EXPECT_EQ(a, model.tiles[joint.b.tile].vertices[joint.b.vertex]);
+    EXPECT_EQ(joint.face, model::JointFace::Both);
+    double nearest = 1e9;
+    for (const Point& expected : grid.joints) {
+      const Point place = move * expected;
+      nearest = std::min(nearest, (Point(1e3 * a.x(), -1e3 * a.y()) - place).norm());
+    }
+    EXPECT_LE(nearest, tolerance);
+  }
+}
+
+TEST(CutPatterns, SlitGridsComeBackAtAnyAngleAndRounding) {
+  std::mt19937 random(1);
+  for (const int digits : {2, 3, 6, 15}) {
+    for (const int n : {2, 3, 4, 7}) {
+      std::uniform_real_distribution<double> width(0.1, 1.6);  // 0.5 to 8 % of a tile
+      const SlitGrid grid(n, [&] { return width(random); });
+      Eigen::Affine2d move(Eigen::Translation2d(150, 100) *
+                           Eigen::Rotation2Dd(digits == 15 ? 0.0 : 0.3 * n));
+      std::string lines;
+      for (const auto& [a, b] : grid.slits) lines += path(move * a, move * b, digits);
+      const std::vector<Point> outline = grid.outline();
+      for (int k = 0; k < 4; ++k)
+        lines += path(move * outline[k], move * outline[(k + 1) % 4], digits);
+      SCOPED_TRACE(fmt::format("{} digits, {} x {}", digits, n, n));
+      expectGrid(read("a.svg", page(lines)), grid, move,
+                 2 * std::pow(10.0, -digits) + 1e-6 * 20 * n * std::sqrt(2.0));
+    }
+  }
+}
+
+TEST(CutPatterns, SlitGridsInDxfComeBack) {
+  const SlitGrid grid(4, [] { return 0.7; });
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const auto& [a, b] : grid.slits) {
+    text += fmt::format("0\nLINE\n8\nCUT\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", a.x(), -a.y(), b.x(),
+                        -b.y());
+  }
+  text += "0\nLWPOLYLINE\n8\nOUT\n90\n4\n70\n1\n";
+  for (const Point& p : grid.outline()) text += fmt::format("10\n{}\n20\n{}\n", p.x(), -p.y());
+  const Reading reading = read("a.dxf", text + "0\nENDSEC\n0\nEOF\n");
+  expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-9);
+  EXPECT_THAT(reading.note,
+              HasSubstr("slits: 16 tiles and 24 hinges, necks 0.7 mm, sheet 80 x 80 mm"));
+}
+
+/// A slot with round ends of so many pieces; pieces of 2: pointed, of 1: square.
+std::vector<Point> stadium(const Line& line, double width, int pieces) {
+  const Point along = (line.second - line.first).normalized();
+  const Point left(-along.y(), along.x());
+  std::vector<Point> points;
+  for (const int side : {1, -1}) {
+    const Point& end = side == 1 ? line.second : line.first;
+    for (int k = 0; k <= pieces; ++k) {
+      const double angle = std::numbers::pi * (k / static_cast<double>(pieces) - 0.5);
+      points.push_back(end + 0.5 * width *
+                                 (side * std::cos(angle) * along + side * std::sin(angle) * left));
+    }
+  }
+  return points;
+}
+
+TEST(CutPatterns, SlotsComeBackWithinTheirWidth) {
+  std::mt19937 random(2);
+  for (const int pieces : {1, 2, 8, 20}) {
+    for (const double kerf : {0.05, 0.2, 0.5}) {
+      std::uniform_real_distribution<double> width(2.5 * kerf, 2.5 * kerf + 0.5);
+      const SlitGrid grid(4, [&] { return width(random); });
+      const Eigen::Affine2d move(Eigen::Translation2d(150, 100) * Eigen::Rotation2Dd(0.4));
+      std::vector<Point> outline = grid.outline();
+      for (Point& p : outline) p = move * p;
+      std::string text = closedPath(outline);
+      for (const auto& [a, b] : grid.slits) {
+        text += closedPath(stadium({move * a, move * b}, kerf, pieces));
+      }
+      SCOPED_TRACE(fmt::format("{} pieces, kerf {}", pieces, kerf));
+      const Reading reading = read("a.svg", page(text));
+      expectGrid(reading, grid, move, 1e-6);
+      EXPECT_THAT(reading.note, HasSubstr(fmt::format("slots {:.4g} mm", kerf)));
+    }
+  }
+}
+
+// Rounding closes, opens and bends slots that are about as narrow as the last digit.
+TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> angle(0, 6);
+  const SlitGrid grid(4, [] { return 1.2; });
+  for (const int digits : {1, 2, 3}) {
+    const double digit = std::pow(10.0, -digits);
+    for (const double kerf : {0.1, 1 / 3.0, 0.6, 1.0, 1.5, 2.0, 3.0}) {
+      for (const int pieces : {1, 8}) {
+        const Eigen::Affine2d move(Eigen::Translation2d(150, 100) *
+                                   Eigen::Rotation2Dd(angle(random)));
+        std::vector<Point> outline = grid.outline();
+        for (Point& p : outline) p = move * p;
+        std::string text = closedPath(outline, digits);
+        for (const auto& [a, b] : grid.slits) {
+          text += closedPath(stadium({move * a, move * b}, kerf * digit, pieces), digits);
+        }
+        SCOPED_TRACE(
+            fmt::format("{} digits, slots of {:.2g} digits, {} pieces", digits, kerf, pieces));
+        const Reading reading = read("a.svg", page(text));
+        EXPECT_EQ(reading.refusal, "");
+        EXPECT_EQ(reading.model.tiles.size(), 16U);
+        EXPECT_EQ(reading.model.joints.size(), grid.joints.size());
+        double worst = 0;
+        for (const model::Joint& joint : reading.model.joints) {
+          const Vector3& at = reading.model.tiles[joint.a.tile].vertices[joint.a.vertex];
+          double nearest = 1e9;
+          for (const Point& place : grid.joints) {
+            nearest = std::min(nearest, (Point(1e3 * at.x(), -1e3 * at.y()) - move * place).norm());
+          }
+          worst = std::max(worst, nearest);
+        }
+        EXPECT_LE(worst, std::max(2.0, kerf) * digit);  // measured 1.9
+      }
+    }
+  }
+}
+
+/// The same grid with slots of 0.3 mm, of which those at the border are drawn in another way.
+TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
+  const SlitGrid grid(4, [] { return 1.15; });
+  const Eigen::Affine2d move(Eigen::Translation2d(100, 100));
+  std::vector<Point> outline = grid.outline();
+  for (Point& p : outline) p = move * p;
+  for (const std::string style : {"slits", "three sides", "all but one closed"}) {
+    SCOPED_TRACE(style);
+    std::string text = closedPath(outline) + "<path d=\"M107 107v4h3\"/>";
+    bool isFirst = true;
+    for (const auto& [from, to] : grid.slits) {
+      Point a = move * from, b = move * to;
+      const auto isAtBorder = [&](const Point& p) {
+        return (p.array() == 100).any() || (p.array() == 180).any();
+      };
+      if (isAtBorder(b)) std::swap(a, b);
+      const std::vector<Point> slot = stadium({a, b}, 0.3, 8);
+      const bool isOpen = isAtBorder(a) && (isFirst || style != "all but one closed");
+      if (!isOpen) {
+        text += closedPath(slot);
+      } else if (style == "three sides") {
+        const Point left = 0.15 * Point(a.y() - b.y(), b.x() - a.x()).normalized();
+        text += fmt::format("<path d=\"M{} {}L{} {} {} {} {} {}\"/>", (a + left).x(),
+                            (a + left).y(), (b + left).x(), (b + left).y(), (b - left).x(),
+                            (b - left).y(), (a - left).x(), (a - left).y());
+      } else {
+        text += path(a, b);
+      }
+      isFirst &= !isOpen;
+    }
+    const Reading reading = read("a.svg", page(text));
+    expectGrid(reading, grid, move, 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("slots 0.3 mm"));
+    EXPECT_THAT(reading.note, HasSubstr("2 x cut that ends within a tile"));
+  }
+}
+
+// Each side is a line of its own: the long sides of a slot are no doubled line.
+TEST(CutPatterns, SidesOfSlotsMayBeSeparateLines) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  for (const bool areMouthsOpen : {false, true}) {
+    std::string text = closedPath(grid.outline());
+    for (const auto& [from, to] : grid.slits) {
+      const bool isAtBorder = (from.array() == 0).any() || (from.array() == 80).any();
+      const std::vector<Point> slot = stadium({from, to}, 0.2, 1);
+      for (std::size_t k = 0; k < slot.size(); ++k) {
+        if (k + 2 == slot.size() && areMouthsOpen && isAtBorder) continue;  // the end at the border
+        text += path(slot[k], slot[(k + 1) % slot.size()]);
+      }
+    }
+    SCOPED_TRACE(areMouthsOpen);
+    const Reading reading =
+        read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("slots 0.2 mm"));
+  }
+}
+
+TEST(CutPatterns, ParallelLinesAreOneCut) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  for (const double apart : {0.004, 0.1, 0.3}) {
+    std::string text = closedPath(grid.outline());
+    for (const auto& [a, b] : grid.slits) {
+      const Point side = 0.5 * apart * Point(a.y() - b.y(), b.x() - a.x()).normalized();
+      text += path(a + side, b + side) + path(b - side, a - side);
+    }
+    SCOPED_TRACE(apart);
+    const Reading reading =
+        read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note,
+                HasSubstr(fmt::format("24 cuts drawn as two lines up to {:.4g} mm apart", apart)));
+  }
+}
+
+// Rounding to 0.1 of a point (0.035 mm) moves ends off their lines by more than 1e-4 of the sheet.
+TEST(CutPatterns, CoordinatesMayHaveOneDecimal) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> neck(1, 2), angle(0, 6);
+  for (int trial = 0; trial < 12; ++trial) {
+    const double width = neck(random);
+    const SlitGrid grid(4, [&] { return width; });
+    const Eigen::Affine2d move(Eigen::Translation2d(700, 700) * Eigen::Rotation2Dd(angle(random)) *
+                               Eigen::Scaling(72 / 25.4));
+    std::string d;
+    const auto add = [&](char letter, const Point& p) {
+      const Point q = move * p;
+      d += fmt::format("{}{:.1f} {:.1f}", letter, q.x(), q.y());
+    };
+    for (const auto& [a, b] : grid.slits) {
+      add('M', a);
+      add('L', b);
+    }
+    for (int k = 0; k < 4; ++k) add(k ? 'L' : 'M', grid.outline()[k]);
+    const Reading reading =
+        read("a.svg",
+             "<svg width=\"1400pt\" height=\"1400pt\" viewBox=\"0 0 1400 1400\" "
+             "fill=\"none\" stroke=\"black\"><path d=\"" +
+                 d + "Z\"/></svg>");
+    SCOPED_TRACE(trial);
+    // Two roundings of 0.025 mm.
+    expectGrid(reading, grid, Eigen::Scaling(25.4 / 72) * move, 0.1);
+  }
+}
+
+/// A hexagon of six triangles, joined at its corners or at its middle.
+TEST(CutPatterns, CutsThatAimAtOnePointMeetThere) {
+  const auto corner = [](int k) {
+    const double angle = k * std::numbers::pi / 3;
+    return Point(100 + 30 * std::cos(angle), 100 + 30 * std::sin(angle));
+  };
+  const Point middle(100, 100);
+  std::vector<Point> outline;
+  for (int k = 0; k < 6; ++k) outline.push_back(corner(k));
+  for (const bool isAtMiddle : {false, true}) {
+    std::string text = closedPath(outline);
+    for (int k = 0; k < 6; ++k) {
+      const Point end = isAtMiddle ? middle : corner(k), other = isAtMiddle ? corner(k) : middle;
+      const double neck = 0.5 + 0.2 * k;  // all different
+      text += path(other, end + neck * (other - end).normalized(), 6);
+    }
+    const Reading reading = read("a.svg", page(text));
+    ASSERT_EQ(reading.refusal, "");
+    EXPECT_EQ(reading.model.tiles.size(), 6U);
+    EXPECT_EQ(reading.model.joints.size(), 6U);
+    for (const model::Tile& tile : reading.model.tiles) EXPECT_EQ(tile.vertices.size(), 3U);
+    for (const model::Joint& joint : reading.model.joints) {
+      const Vector3& at = reading.model.tiles[joint.a.tile].vertices[joint.a.vertex];
+      const double off = (Point(1e3 * at.x(), -1e3 * at.y()) - middle).norm();
+      EXPECT_NEAR(off, isAtMiddle ? 0 : 30, 2e-5);
+    }
+  }
+}
+
+/// The grid of 4 x 4 with necks of 1 mm, and more lines.
+std::string gridWith(const std::string& more, const std::string& cutStyle = "stroke=\"black\"") {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string lines = fmt::format("<g {}>", cutStyle) + closedPath(grid.outline());
+  for (const auto& [a, b] : grid.slits) lines += path(a, b, 9);
+  return page("<g transform=\"translate(100 100)\">" + lines + "</g>" + more + "</g>");
+}
+
+void expectPlainGrid(const Reading& reading, const std::string& said) {
+  expectGrid(reading, SlitGrid(4, [] { return 1.0; }),
+             Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+  EXPECT_THAT(reading.note, HasSubstr(said));
+}
+
+TEST(CutPatterns, OtherLinesAreToldApart) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string marks = "<g stroke=\"lime\">";
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    const Point& joint = grid.joints[k];
+    marks += path((a - joint).norm() < (b - joint).norm() ? a : b, joint, 9);
+  }
+  expectPlainGrid(read("a.svg", gridWith(marks + "</g>")), "24 #00ff00 (hinge mark)");
+  const std::string arrow = "<path stroke=\"blue\" d=\"M5 5L15 15M15 15L10 14\"/>";
+  expectPlainGrid(read("a.svg", gridWith(arrow)), "2 #0000ff (engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<path stroke-dasharray=\"1\" d=\"M0 0L80 80\"/>")),
+                  "1 #000000, dashed (hinge mark)");
+  expectPlainGrid(read("a.svg", gridWith("<text>name</text>")), "left out: 1 x text");
+  expectPlainGrid(
+      read("a.svg", gridWith("<rect x=\"-20\" y=\"-20\" width=\"120\" height=\"120\"/>")),
+      "1 x frame around the sheet");
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M-10 -12V-8M-12 -10H-8\"/>")),
+                  "2 x line outside the sheet");
+  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"-10\" cy=\"-10\" r=\"2\"/>")),
+                  "1 x outline without cuts");
+  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")),
+                  "1 x hole in a tile");
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V83\"/>")),
+                  "1 x end of a cut beyond the border");
+  // The same cut twice.
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V61\"/><path d=\"M20 59V45\"/>")),
+                  "16 tiles and 24 hinges");
+}
+
+TEST(CutPatterns, DashedCutsAreCutsIfTheSheetHasNoOthers) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string cuts, marks;
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    cuts += path(a, b, 9, "stroke-dasharray=\"1,0.2\" ");
+    const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
+    marks += path(end, grid.joints[k], 9, "stroke-dasharray=\"0.1\" ");
+  }
+  const auto moved = [](const std::string& lines) {
+    return page("<g transform=\"translate(100 100)\">" + lines + "</g>");
+  };
+  expectPlainGrid(read("a.svg", moved(closedPath(grid.outline()) + cuts)),
+                  "24 #000000, dashed (cut)");
+  expectPlainGrid(read("a.svg", gridWith(marks)), "dashed (hinge mark)");
+}
+
+TEST(CutPatterns, EngravingMayCrossCuts) {
+  const std::string circle = "<circle cx=\"40\" cy=\"40\" r=\"15\"/>";
+  const std::string line = "<path d=\"M-5 3L85 11\"/>";
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engrave\">" + circle + "</g>")), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g id=\"Engraving\">" + line + "</g>")), "(engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<g stroke=\"blue\">" + circle + "</g>")),
+                  "#0000ff (engraved)");
+}
+
+TEST(CutPatterns, FaultsNameWhatIsNotApplied) {
+  EXPECT_THAT(
+      read("a.svg", gridWith("<g clip-path=\"url(#c)\"><path d=\"M70 20H100\"/></g>")).refusal,
+      HasSubstr("(1 x clip-path, which is not applied)"));
+}
+
+TEST(CutPatterns, OptionsChooseLines) {
+  const std::string text = gridWith("<path stroke=\"red\" id=\"Fold\" d=\"M0 0L80 80\"/>");
+  EXPECT_THAT(read("a.svg", text).note, testing::Not(HasSubstr("16 tiles and 24 hinges,")));
+  for (const char* name : {"red", "#F00", "rgb(255,0,0)", "fold"}) {
+    ReadSettings settings;
+    settings.ignore = {name};
+    expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
+  }
+  ReadSettings settings;
+  settings.cut = {"black"};
+  expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
+  settings.cut = {"green"};
+  EXPECT_THAT(read("a.svg", text, settings).refusal,
+              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of `cut`. "
+                        "Available: #000000, #ff0000"));
+  EXPECT_THAT(read("a.obj", "v 0 0 0\n", settings).refusal,
+              HasSubstr("`cut` is only for drawings (.svg, .dxf). Remove it"));
+}
+
+TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
+  const SlitGrid grid(4, [] { return 2.0; });
+  std::string text = closedPath(grid.outline()), circles;
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    text += path(a, b, 9);
+    const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
+    // Round the end, or with the end on its near side.
+    const Point centre = k % 2 ? end : Point(end + 0.5 * (grid.joints[k] - end).normalized());
+    circles += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
+  }
+  for (const char* colour : {"black", "blue"}) {
+    SCOPED_TRACE(colour);
+    const Reading reading =
+        read("a.svg", page(fmt::format("<g transform=\"translate(100,100)\">{}<g stroke=\"{}\">{}"
+                                       "</g></g>",
+                                       text, colour, circles)));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+    EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
+    EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+  }
+}
+
+TEST(CutPatterns, CurvedOutlinesAndCuts) {
+  // A disk in four quarters, joined at its rim; one in two halves along an S.
+  const Reading quarters =
+      read("a.svg",
+           page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M50 50V11M50 50V89M50 50H11M50 "
+                "50H89\"/>"));
+  EXPECT_EQ(quarters.refusal, "");
+  EXPECT_EQ(quarters.model.tiles.size(), 4U);
+  EXPECT_EQ(quarters.model.joints.size(), 4U);
+  for (const model::Tile& tile : quarters.model.tiles) {
+    EXPECT_NEAR(1e6 * model::tileArea(tile), 400 * std::numbers::pi, 1);  // measured 0.7
+  }
+  const Reading halves =
+      read("a.svg", page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M10 50A20 "
+                         "20 0 0 1 50 50A20 20 0 0 0 89.875 52.2331\"/>"));
+  EXPECT_EQ(halves.refusal, "");
+  EXPECT_EQ(halves.model.tiles.size(), 2U);
+  EXPECT_EQ(halves.model.joints.size(), 1U);
+}
+
+TEST(CutPatterns, SeveralSheetsAreOneModel) {
+  const std::string one = "<path d=\"M0 0H40V20H0ZM20 0V19\"/>";
+  const Reading reading =
+      read("a.svg", page(one + "<g transform=\"translate(0 50)\">" + one + "</g>"));
+  EXPECT_EQ(reading.model.tiles.size(), 4U);
+  EXPECT_EQ(reading.model.joints.size(), 2U);
+}
+
+TEST(CutPatterns, SheetsThatCannotOpenInTheirPlaneHaveBallJoints) {
+  // Three triangles round a triangular hole: a truss. One neck less is a chain.
+  const auto ring = [](const char* last) {
+    return page(fmt::format(
+        "<path d=\"M0 0L40 0L20 35ZM14 8H26L20 18ZM14 8L1 0.57M26 8L39 0.57M20 18V{}\"/>", last));
+  };
+  const Reading truss = read("a.svg", ring("34"));
+  ASSERT_EQ(truss.model.joints.size(), 3U) << truss.refusal;
+  for (const model::Joint& joint : truss.model.joints)
+    EXPECT_EQ(joint.face, model::JointFace::Bottom);
+  EXPECT_THAT(truss.note, HasSubstr("no motion in its plane, so its hinges are ball joints"));
+  const Reading chain = read("a.svg", ring("35"));
+  ASSERT_EQ(chain.model.joints.size(), 2U) << chain.refusal;
+  for (const model::Joint& joint : chain.model.joints)
+    EXPECT_EQ(joint.face, model::JointFace::Both);
+}
+
+TEST(CutPatterns, JointsMayBeInTheMiddleOfTheirNecks) {
+  ReadSettings settings;
+  settings.areJointsInNecks = true;
+  const std::string text = page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>");
+  for (const bool isInNeck : {false, true}) {
+    settings.areJointsInNecks = isInNeck;
+    const Reading reading = read("a.svg", text, settings);
+    ASSERT_EQ(reading.model.joints.size(), 1U) << reading.refusal;
+    const model::Corner& corner = reading.model.joints[0].a;
+    const Vector3& at = reading.model.tiles[corner.tile].vertices[corner.vertex];
+    EXPECT_NEAR(at.x(), 0.020, 1e-12);
+    EXPECT_NEAR(at.y(), isInNeck ? -0.019 : -0.020, 1e-12);
+  }
+}
+
+TEST(CutPatterns, TheWidestNeckMayBeGiven) {
+  // Two slits, one 2 mm and one 9 mm short of the border.
+  const std::string text = page("<path d=\"M0 0H60V20H0ZM20 0V18M40 0V11\"/>");
+  ReadSettings settings;
+  for (const auto& [width, tiles] : {std::pair(1.0, 1U), {2.0, 2U}, {9.0, 3U}}) {
+    settings.neckWidth = width;
+    EXPECT_EQ(read("a.svg", text, settings).model.tiles.size(), tiles) << width;
+  }
+}
+
+TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
+  EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
+              HasSubstr("a.svg: error: the drawing has no lines of a sheet"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
+              HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leaves "
+                        "the sheet. Close the outline, or end the line at it"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0V1M20 0V18\"/>")).refusal,
+              HasSubstr("the outline is open"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
+              HasSubstr("the piece at (10, 10) mm hangs by nothing. End a cut around it"));
+  // A slit that crosses another one by mistake, and one that crosses it to cut four tiles.
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
+              HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond "
+                        "it. End it at the line, or before the line to keep a neck"));
+  EXPECT_EQ(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H78\"/>")).model.tiles.size(),
+            4U);
+  // A slot whose outline crosses itself.
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V40H0Z\"/><path d=\"M30 2V38H30.3V2Z\"/>"
+                                 "<path d=\"M2 20H10L10.3 20.3H2L6 19Z\"/>"))
+                  .refusal,
+              HasSubstr("an outline crosses itself at ("));
+  // Ribbons.
+  std::string ribbons = "<path d=\"M0 0H60V50H0Z";
+  for (int row = 1; row < 5; ++row) {
+    ribbons += row % 2 ? fmt::format("M5 {0}H25M35 {0}H55", 10 * row)
+                       : fmt::format("M0 {0}H10M20 {0}H40M50 {0}H60", 10 * row);
+  }
+  EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
+              HasSubstr("It can only bend and is not a rigid tile"));
+  EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
+              HasSubstr("`cut` and `ignore` choose"));
+}
+
+// A second copy of all slits, off by 5e-6 of the drawing's size at most, with all digits.
+TEST(CutPatterns, ReadsLinesThatAreDrawnTwiceNotQuiteAlike) {
+  const SlitGrid grid(4, [] { return 1.5; });
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> off(-4e-4, 4e-4);
+  std::string text = closedPath(grid.outline());
+  for (const auto& [from, to] : grid.slits) {
+    text += path(from, to);
+    text += path(from + Point(off(random), off(random)), to + Point(off(random), off(random)));
+  }
+  const Reading reading = read("a.svg", page(text));
+  EXPECT_EQ(reading.refusal, "");
+  EXPECT_EQ(reading.model.tiles.size(), 16U) << reading.note;
+  EXPECT_EQ(reading.model.joints.size(), 24U) << reading.note;
+}
+
+/// The drawing's fault; none for a sheet.
+std::optional<DrawingFault> faultOf(const std::string& text) {
+  const TemporaryFolder folder;
+  folder.write("a.svg", text);
+  std::vector<std::string> warnings;
+  try {
+    readDrawnSheet(folder.path() / "a.svg", {}, warnings);
+  } catch (const DrawingFault& fault) {
+    return fault;
+  }
+  return std::nullopt;
+}
+
+TEST(CutPatterns, FaultsHaveTheirPlaceAndTheDrawing) {
+  const auto open = faultOf(page("<path d=\"M0 0H40V20H0M20 0V18\"/>"));
+  ASSERT_TRUE(open);
+  ASSERT_EQ(open->places().size(), 1U);
+  // The open end is a corner of the drawing's only closed box.
+  EXPECT_EQ(open->lines().size(), 2U);
+  bool isAnEnd = false;
+  for (const DrawnPath& line : open->lines()) {
+    isAnEnd |= (line.points.front() - open->places()[0]).norm() < 1e-9;
+  }
+  EXPECT_TRUE(isAnEnd);
+  const auto loose = faultOf(page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>"));
+  ASSERT_TRUE(loose);
+  Eigen::AlignedBox2d box;
+  for (const DrawnPath& line : loose->lines()) {
+    for (const Vector2& point : line.points) box.extend(point);
+  }
+  // The left third: 20 of 60 mm wide.
+  const Vector2 within = loose->places().at(0) - box.min();
+  EXPECT_NEAR(within.x(), 0.01, 1e-9);
+  EXPECT_NEAR(within.y(), 0.01, 1e-9);
+  // The message with the list of lines keeps the place.
+  EXPECT_TRUE(
+      faultOf(page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>"
+                   "<path stroke=\"red\" d=\"M30 0V18\"/>")));
+  EXPECT_FALSE(faultOf(page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>")));
+}
+
+TEST(CutPatterns, ListsTheLinesThatItIgnores) {
+  const TemporaryFolder folder;
+  folder.write("a.svg", page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>"
+                             "<path stroke=\"blue\" d=\"M8 8H12\"/>"
+                             "<path stroke=\"blue\" d=\"M28 8H32\"/>"));
+  std::vector<std::string> warnings;
+  for (const bool isChosen : {false, true}) {
+    ReadSettings settings;
+    if (isChosen) settings.ignore = {"blue"};
+    const DrawnSheet sheet = readDrawnSheet(folder.path() / "a.svg", settings, warnings);
+    EXPECT_EQ(sheet.model.tiles.size(), 2U);
+    ASSERT_EQ(sheet.ignored.size(), 2U);
+    for (const DrawnPath& line : sheet.ignored) {
+      EXPECT_NEAR((line.points.back() - line.points.front()).norm(), 0.004, 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kirireel::formats
