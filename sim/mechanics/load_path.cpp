@@ -517,8 +517,9 @@ class Follower {
     if (!locateChanges(from, to, found)) return false;
     // Smaller slopes are rounding: their sign has no meaning.
     const double noise = kNoSlope * sheet_.stiffnessScale() / leadingUnit();
-    const bool isAboveNoise = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
-    if (!isAboveNoise || from.along.forceSlope * to.along.forceSlope >= 0) return true;
+    const double before = from.along.forceSlope, after = to.along.forceSlope;
+    const bool isAboveNoise = std::min(std::abs(before), std::abs(after)) > noise;
+    if (!isAboveNoise || before * after >= 0) return true;
     Point low = from, high = to;
     if (!bisect(low, high, [&](const Point& middle) {
           return middle.along.forceSlope * from.along.forceSlope > 0;

@@ -287,6 +287,27 @@ TEST(Loading, TellsWhereASheetIsFullyExtended) {
   }
 }
 
+// Rows that slide: the force begins at zero, and the sign of its slope there comes from the
+// rounding of coordinates in another unit.
+TEST(Loading, RoundingAtAClosedStartIsNoEvent) {
+  for (const double unit : {1.0, 1e-3, 0.0254, 0.3048}) {
+    scene::Scene scene = pulledSquares(4, 0, 0.4);
+    scene.model.target.reset();
+    for (model::Tile& tile : scene.model.tiles) {
+      for (Vector3& vertex : tile.vertices) {
+        for (double& x : vertex) x = std::stod(fmt::format("{:.15g}", x / unit)) * unit;
+      }
+    }
+    scene.hinges.stiffness = 0.02;
+    scene.grips[0].tiles = {0, 4, 8, 12};
+    scene.grips[2].tiles = {3, 7, 11, 15};
+    const run::DeploymentResult run = deploy::deploy(scene, 0.02, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << unit << ": " << run.reason;
+    // Only the end.
+    EXPECT_EQ(run.trajectory.events.size(), 1U) << run.trajectory.events.front().text;
+  }
+}
+
 TEST(Loading, TellsThatASheetIsPressedThroughItself) {
   const run::DeploymentResult run =
       deploy::deploy(pulledSquares(4, 30 * kDegree, -1.2), 0.5, nullptr);
