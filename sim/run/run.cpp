@@ -625,17 +625,17 @@ std::string RunReasons::stopReason() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline solver reports no reason";
   if (!forces_.isDriveOn()) return "the timeline switched the springs off";
+  if (const std::string held = friction(); !held.empty() && !isImmobile()) return held;
+  std::vector<std::string> others = otherForces();
+  const std::vector<std::string> contacts = motion_.solver().loadedContacts();
+  if (others.empty() && !contacts.empty()) return "contact stops " + listed(contacts);
+  if (rest_.isStuck(motion_.poses())) return failingSteps();
   if (isImmobile()) {
     return fmt::format(
         "the joints allow no motion (0 degrees of freedom). Compliant joints may (`path = guided` "
         "with `joint_ratio = {:g}`)",
         kCompliantRatio);
   }
-  if (const std::string held = friction(); !held.empty()) return held;
-  std::vector<std::string> others = otherForces();
-  const std::vector<std::string> contacts = motion_.solver().loadedContacts();
-  if (others.empty() && !contacts.empty()) return "contact stops " + listed(contacts);
-  if (rest_.isStuck(motion_.poses())) return failingSteps();
   const double error = target_.error(motion_.poses());
   if (target_.isNearest(error)) return "no nearer state with closed joints was found";
   if (!contacts.empty()) others.push_back("contacts of " + listed(contacts));
