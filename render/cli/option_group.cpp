@@ -9,6 +9,7 @@
 #include "render/cli/option_group.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -133,6 +134,19 @@ void OptionGroup::number(const std::string& name, double& target, scene::Range r
   value(name, unit, fmt::format("{:.4g}", target), help,
         [&target, range](const scene::TypedValue& typed) {
           target = scene::parseNumber(typed, range);
+        })
+      .serializedAs([&target] { return scene::numberText(target); });
+}
+
+void OptionGroup::printLength(const std::string& name, double& target, const std::string& unit,
+                              scene::Range range, const std::string& help) {
+  std::string capitals = unit;
+  std::ranges::transform(capitals, capitals.begin(), [](char letter) {
+    return static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  });
+  value(name, capitals, fmt::format("{:.4g}", target), help,
+        [&target, unit, range](const scene::TypedValue& typed) {
+          target = parseLength(typed, unit, range);
         })
       .serializedAs([&target] { return scene::numberText(target); });
 }

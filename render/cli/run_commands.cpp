@@ -409,8 +409,8 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });
   // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
-  figures.number("--width", plot.width, {30, 1000}, "MM", "width of the figure in print");
-  figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "size of its text in print");
+  figures.printLength("--width", plot.width, "mm", {30, 1000}, "width of the figure in print");
+  figures.printLength("--font-size", plot.fontPoints, "pt", {3, 50}, "size of its text in print");
   figures.number("--dpi", plot.dotsPerInch, {30, 2400}, "COUNT", "pixels per inch of a PNG");
   command->footer(
       "curves.csv has a row for each sample: width, height and depth of the sheet\n"

@@ -873,7 +873,8 @@ void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int le
 // ------------------------------------------------------------------------------------------------
 // Steps are 1, 2 or 5 times a power of ten: the least with at most `mostTicks` ticks in the range.
 // Ticks are multiples k s of the step s, computed from k each time, so errors do not accumulate.
-// Numbers have as many decimals as the step.
+// Numbers have as many decimals as the step. Ends below a thousandth, or of a million and more,
+// give numbers such as 5e-6, with as many digits as the step needs.
 //
 // A range below 1e-5 of its values would give ticks with equal numbers. It is drawn as a constant
 // in the middle of an axis as wide as the value.
@@ -896,11 +897,25 @@ double roundStep(double step) {
   return 10 * power;
 }
 
-/// With a true minus sign.
-std::string numberText(double value, int decimals) {
-  const std::string text = decimals <= 6 && std::abs(value) < 1e6
-                               ? fmt::format("{:.{}f}", std::abs(value), std::max(0, decimals))
-                               : fmt::format("{:.3g}", std::abs(value));
+/// Powers of ten between which numbers of an axis have decimals instead of an exponent.
+constexpr int kLeastPower = -3;
+constexpr int kMostPower = 6;
+
+/// The power of ten of the first digit of a positive value.
+int powerOf(double value) {
+  return static_cast<int>(std::floor(std::log10(value) + kConstant));
+}
+
+/// A multiple of the step 10^-decimals on an axis up to the size 10^power. With a true minus sign.
+std::string numberText(double value, int decimals, int power) {
+  const double size = std::abs(value);
+  std::string text = "0";
+  if (power >= kLeastPower && power < kMostPower) {
+    text = fmt::format("{:.{}f}", size, std::max(0, decimals));
+  } else if (size > 0) {
+    const int own = powerOf(size);
+    text = fmt::format("{:.{}f}e{}", size / std::pow(10, own), std::max(0, decimals + own), own);
+  }
   return value < 0 ? "\u2212" + text : text;
 }
 
@@ -932,9 +947,10 @@ Axis makeAxisWithin(double low, double high, int mostTicks) {
   if (high <= low) return axis;
   const double step = roundStep((high - low) / mostTicks);
   const int decimals = static_cast<int>(std::ceil(-std::log10(step) - kConstant));
+  const int power = powerOf(std::max(std::abs(low), std::abs(high)));
   for (double k = std::ceil(low / step - kConstant); k * step <= high * (1 + kConstant); ++k) {
     axis.ticks.push_back(k * step);
-    axis.texts.push_back(numberText(k == 0 ? 0 : k * step, decimals));
+    axis.texts.push_back(numberText(k == 0 ? 0 : k * step, decimals, power));
   }
   return axis;
 }
