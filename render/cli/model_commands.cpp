@@ -14,8 +14,8 @@
 #include "render/report/inspection.h"
 #include "sim/formats/cut_pattern.h"
 #include "sim/formats/drawing.h"
-#include "sim/formats/tile_checks.h"
 #include "sim/formats/read_model.h"
+#include "sim/formats/tile_checks.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
 #include "sim/study/stepped_scene.h"
@@ -122,18 +122,29 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
   requireGiven(order.output, "OUT", command);
 }
 
-/// Warns of data that the format cannot store. FOLD files can store all, folders also necks.
-void warnOfLosses(const model::Model& model, const std::filesystem::path& output) {
-  if (output.extension() == ".fold") return;
+/// What a model has besides tiles and joints: a name, with {} for the plural's s, and a number.
+std::vector<std::pair<const char*, std::ptrdiff_t>> contentsOf(const model::Model& model) {
+  const auto count = [&](auto&& property) { return std::ranges::count_if(model.joints, property); };
+  return {
+      {"target{}", std::ssize(model.waypoints) + (model.target ? 1 : 0)},
+      {"fold angle{}", std::ssize(model.foldAngles) / 2},
+      {"neck{}", count([](const model::Joint& joint) { return static_cast<bool>(joint.neck); })},
+      {"joint{} on the bottom face",
+       count([](const model::Joint& joint) { return joint.face == model::JointFace::Bottom; })},
+      {"joint{} on the top face",
+       count([](const model::Joint& joint) { return joint.face == model::JointFace::Top; })}};
+}
+
+/// Warns of what a written file has not stored. `stored`: the model as read from it.
+void warnOfLosses(const model::Model& model, const model::Model& stored,
+                  const std::filesystem::path& output) {
   std::vector<std::string> lost;
-  const auto necks = std::ranges::count_if(
-      model.joints, [](const model::Joint& joint) { return static_cast<bool>(joint.neck); });
-  if (necks > 0 && output.has_extension()) lost.push_back(fmt::format("{} necks", necks));
-  if (!model.waypoints.empty()) {
-    lost.push_back(fmt::format("{} targets before the last", model.waypoints.size()));
-  }
-  if (!model.foldAngles.empty()) {
-    lost.push_back(fmt::format("{} fold angles", model.foldAngles.size() / 2));
+  const auto before = contentsOf(model), after = contentsOf(stored);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const std::ptrdiff_t count = before[i].second - after[i].second;
+    if (count <= 0) continue;
+    lost.push_back(fmt::format("{} {}", count,
+                               fmt::format(fmt::runtime(before[i].first), count == 1 ? "" : "s")));
   }
   if (lost.empty()) return;
   printWarnings({fmt::format("{}: warning: this format cannot store {}; use a .fold file",
@@ -143,9 +154,11 @@ void warnOfLosses(const model::Model& model, const std::filesystem::path& output
 int carryOut(const ConvertOrder& order) {
   const model::Model model = readModelAt(order.input, order.target, order.reading);
   formats::writeModel(model, order.output);
-  warnOfLosses(model, order.output);
-  fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
-             model.joints.size(), model.target ? ", a target" : "");
+  std::vector<std::string> warnings;
+  const model::Model stored = formats::readModel(order.output, std::nullopt, warnings);
+  warnOfLosses(model, stored, order.output);
+  fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), stored.tiles.size(),
+             stored.joints.size(), stored.target ? ", a target" : "");
   return kExitDone;
 }
 

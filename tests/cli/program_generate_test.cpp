@@ -178,6 +178,20 @@ TEST(ProgramInspect, PaintsNumbers) {
   EXPECT_GT(fs::file_size(picture), 20000U);  // measured 60 kB
 }
 
+TEST(ProgramConvert, NamesWhatAFormatDoesNotStore) {
+  const TemporaryFolder scratch;
+  const std::string model = (kData / "moebius").string();
+  const ProgramEnd planar =
+      runKirireel({"convert", model, (scratch / "strip_vertices.txt").string()});
+  EXPECT_THAT(planar.err,
+              ::testing::HasSubstr("cannot store 1 target, 20 joints on the bottom face, 14 joints "
+                                   "on the top face; use a .fold file"));
+  EXPECT_THAT(planar.out, ::testing::EndsWith(": 24 tiles, 34 joints\n"));
+  const ProgramEnd whole = runKirireel({"convert", model, (scratch / "strip.fold").string()});
+  EXPECT_EQ(whole.err, "");
+  EXPECT_THAT(whole.out, ::testing::EndsWith(": 24 tiles, 34 joints, a target\n"));
+}
+
 TEST(ProgramConvert, ReadsPublishedPairsWithNoFlags) {
   const fs::path pairs = fs::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models/obj-pairs";
   if (!fs::exists(pairs)) GTEST_SKIP() << pairs << " is not there";
