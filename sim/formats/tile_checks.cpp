@@ -156,12 +156,9 @@ Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const
 }
 
 /// Sides may only meet at common corners. The tile then has one connected interior.
-void checkSimple(const TileTable& table, int tile, double extent) {
+void checkSimple(const TileTable& table, int tile) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
-  const Vector3 normal = model::tileNormal(table.tiles[tile]);
-  // This test is O(n), the comparison of all sides O(n^2).
-  if (isSurelySimple(vertices, normal)) return;
-  const auto crossing = model::crossingSides(vertices, normal, kSameVertex * extent);
+  const auto crossing = crossingSides(table.tiles[tile]);
   if (!crossing) return;
   const auto [first, second] = *crossing;
   const auto side = [&](int k) {
@@ -228,6 +225,13 @@ ShapeChange shapeChange(const model::Tile& start, const model::Tile& target, int
 
 }  // namespace
 
+std::optional<std::pair<int, int>> crossingSides(const model::Tile& tile) {
+  const Vector3 normal = model::tileNormal(tile);
+  // This test is O(n), the comparison of all sides O(n^2).
+  if (isSurelySimple(tile.vertices, normal)) return std::nullopt;
+  return model::crossingSides(tile.vertices, normal, kSameVertex * diameter(tile));
+}
+
 std::string TileTable::shortName(int tile) const {
   return kirireel::toString({file.filename(), sources[tile].line});
 }
@@ -240,7 +244,7 @@ void checkTiles(const TileTable& table) {
     checkDistinctVertices(table, tile, extent);
     checkArea(table, tile, extent);
     checkFlatness(table, tile, extent);
-    checkSimple(table, tile, extent);
+    checkSimple(table, tile);
   }
 }
 

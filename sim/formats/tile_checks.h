@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,6 +53,10 @@ class CrossedTile : public InputError {
   model::Tile tile_;
   Vector3 place_;
 };
+
+/// Two sides of a tile that cross or touch, by the numbers of their first corners. Absent if the
+/// tile is simple. The tile needs an area.
+std::optional<std::pair<int, int>> crossingSides(const model::Tile& tile);
 
 /// Throws InputError for the first tile that has too many vertices, repeated vertices or no area,
 /// or that is not flat. Throws CrossedTile for the first tile whose sides cross or touch. Costs

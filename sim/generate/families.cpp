@@ -20,6 +20,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/formats/joint_faces.h"
+#include "sim/formats/tile_checks.h"
 #include "sim/generate/lattice.h"
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/shells.h"
@@ -466,6 +467,10 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
     return "joints do not close";
   if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size)) return "tiles are not flat";
   if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex)) return "tiles are not convex";
+  const auto crossed = std::ranges::find_if(
+      tiles, [](const model::Tile& tile) { return formats::crossingSides(tile).has_value(); });
+  if (crossed != tiles.end())
+    return fmt::format("tile {} crosses or touches itself", crossed - tiles.begin());
   const std::vector<trajectory::TileOverlap> overlaps =
       trajectory::tileOverlaps(tiles, kTouchingTiles * size);
   if (overlaps.empty()) return "";

@@ -196,6 +196,15 @@ TEST(Families, RefuseSheetsThatAreNone) {
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
             "heart: error: no sheet with these parameters was found (tiles are not convex at the "
             "start). Use values nearer to the defaults");
+  // Arms that meet.
+  EXPECT_EQ(messageFor({"crosses",
+                        {{"columns", 3},
+                         {"rows", 6},
+                         {"width", 0.318},
+                         {"depth", 0.147},
+                         {"start-angle", 18.41}}}),
+            "crosses: error: no sheet with these parameters was found (tile 9 crosses or touches "
+            "itself at the start). Use values nearer to the defaults");
   EXPECT_EQ(
       messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
       "chain: error: no closed chain through all 24 tiles was found. Use another number of tiles");
