@@ -303,14 +303,17 @@ void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance)
   }
 }
 
-/// The number of faces and their mean size if all rays are necks: metres.
-double tileScale(const std::vector<PlaneSegment>& lines, const std::vector<CutRay>& rays,
-                 double tolerance) {
-  std::vector<PlaneSegment> all = lines;
+/// The lines with all rays up to their stops.
+Arrangement extended(std::vector<PlaneSegment> lines, const std::vector<CutRay>& rays,
+                     double tolerance) {
   for (const CutRay& ray : rays) {
-    if (ray.stop < kNever) all.emplace_back(ray.from, ray.stopPlace);
+    if (ray.stop < kNever) lines.emplace_back(ray.from, ray.stopPlace);
   }
-  const Arrangement whole(all, tolerance);
+  return {lines, tolerance};
+}
+
+/// The mean size of the faces if all rays are necks, metres.
+double tileScale(const Arrangement& whole) {
   double area = 0;
   int count = 0;
   for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
@@ -359,7 +362,7 @@ class SheetMaker {
     const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
     rays_ = RayTracer(lines, curveError, tolerance_).run();
     findTips(rays_, cuts_, tolerance_);
-    const double scale = tileScale(cuts_.lines, rays_, tolerance_);
+    const double scale = tileScale(extended(cuts_.lines, rays_, tolerance_));
     dropBeyondBorder(lines, scale);
     requireClosed(lines);
     takeNecks(scale);
@@ -478,13 +481,38 @@ class SheetMaker {
   void requireClosed(const Arrangement& lines) const {
     bool hasFace = false;
     for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
+    const auto open = std::ranges::find(rays_, kNever, &CutRay::hit);
+    if (open == rays_.end() && hasFace) return;
+    if (open == rays_.end()) requireNoGap();
+    if (rays_.empty())
+      throw fault("the drawing has no lines of a sheet. Draw its outline and its cuts");
+    const Vector2& end = open == rays_.end() ? rays_.front().from : open->from;
+    throw faultAt({end},
+                  fmt::format("the outline is open: the line that ends at {} leaves the sheet. "
+                              "Close the outline, or end the line at it",
+                              drawing_.place(end)));
+  }
+
+  /// The extension of an open outline's end has the outside of the sheet on one side.
+  void requireNoGap() const {
+    const Arrangement whole = extended(cuts_.lines, rays_, tolerance_);
     for (const CutRay& ray : rays_) {
-      if (ray.hit < kNever && hasFace) continue;
-      throw faultAt({ray.from}, fmt::format("the outline is open: the line that ends at {} leaves "
-                                            "the sheet. Close the outline, or end the line at it",
-                                            drawing_.place(ray.from)));
+      if (ray.stop == kNever) continue;
+      bool hasTile = false, hasOutside = false;
+      for (const int half : whole.leaving(*whole.nodeAt(ray.from))) {
+        if ((whole.at(whole.to(half)) - ray.from).dot(ray.along) <= 0) continue;
+        for (const int side : {half, half ^ 1}) {
+          (whole.areaOf(whole.cycleOf(side)) > 0 ? hasTile : hasOutside) = true;
+        }
+      }
+      if (hasTile && hasOutside) throw openOutline(ray.from, ray.hit, "");
     }
-    if (!hasFace) throw fault("the drawing has no lines of a sheet. Draw its outline and its cuts");
+  }
+
+  DrawingFault openOutline(const Vector2& end, double gap, const std::string& remedy) const {
+    return faultAt(
+        {end}, fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it{}",
+                           drawing_.place(end), gap * 1e3, remedy));
   }
 
   void takeNecks(double scale) {
@@ -536,10 +564,8 @@ class SheetMaker {
       const int node = *whole.nodeAt(rays_[k].from);
       const int cycle = whole.cycleOf(whole.leaving(node)[0]);
       if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
-        throw faultAt({rays_[k].from},
-                      fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
-                                  "it, or give `widest_neck` if a neck is there",
-                                  drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
+        throw openOutline(rays_[k].from, rays_[k].stop,
+                          ", or give `widest_neck` if a neck is there");
       }
       requireNoCrossing(lines, rays_[k], scale);
       ++leftOut_["cut that ends within a tile"];
@@ -587,12 +613,7 @@ class SheetMaker {
         continue;
       }
       const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
-      if (left < 0 || right < 0) {
-        throw faultAt(
-            {ray.from},
-            fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it",
-                        drawing_.place(ray.from), ray.stop * 1e3));
-      }
+      if (left < 0 || right < 0) throw openOutline(ray.from, ray.stop, "");
       const int node = whole.to(*half);
       std::vector<Between>& others = known[std::minmax(left, right)];
       const auto same = std::ranges::find(others, node, &Between::node);
@@ -970,8 +991,8 @@ class CutPatternReader {
   }
 
   /// Coordinates with few digits are coarse, or exact because the design is on a grid. Ends of
-  /// lines tell: rounded ends miss the lines that they were drawn to. Then the tolerance is the
-  /// rounding, but less than necks.
+  /// lines tell: most rounded ends miss the sloping line that they were drawn to, by a fraction of
+  /// the last digit. Then the tolerance is the rounding, but less than necks.
   void takeRounding() {
     const double most = 1.5 * drawing_.rounding;
     if (tolerance_ >= most) return;
@@ -992,16 +1013,26 @@ class CutPatternReader {
     }
     const double far = 4 * most;
     std::vector<double> misses(segments.size() - lines, far);
+    std::vector<bool> isTold(misses.size(), false);  // by the nearest line
     visitNearSegments(segments, far, [&](int i, int j) {
       if ((i < lines) == (j < lines) || pathOf[i] == pathOf[j]) return;
-      double& miss = misses[std::max(i, j) - lines];
-      miss = std::min(miss, distanceTo(segments[std::min(i, j)], segments[std::max(i, j)].first));
+      const int k = std::max(i, j) - lines;
+      const PlaneSegment& line = segments[std::min(i, j)];
+      const Vector2& end = segments[std::max(i, j)].first;
+      const double miss = distanceTo(line, end);
+      if (miss >= misses[k]) return;
+      misses[k] = miss;
+      const bool isSloping = (line.second - line.first).cwiseAbs().minCoeff() > drawing_.rounding;
+      const double off = std::min((end - line.first).norm(), (end - line.second).norm());
+      isTold[k] = isSloping && off > most;
     });
     // Ends of a design on a grid miss by multiples of the last digit.
-    const bool isRounded = std::ranges::any_of(misses, [&](double miss) {
-      return miss > 0.02 * drawing_.rounding && miss < 0.5 * drawing_.rounding;
-    });
-    if (!isRounded) return;
+    int exact = 0, near = 0;
+    for (std::size_t k = 0; k < misses.size(); ++k) {
+      if (!isTold[k] || misses[k] >= 0.5 * drawing_.rounding) continue;
+      ++(misses[k] < 0.02 * drawing_.rounding ? exact : near);
+    }
+    if (near <= exact) return;
     double neck = far;
     for (const double miss : misses) {
       if (miss > most) neck = std::min(neck, miss);
@@ -1499,7 +1530,8 @@ class CutPatternReader {
     }
   }
 
-  /// Removes crosses and similar marks outside the sheet.
+  /// Removes crosses and similar marks outside the sheet. They may have faces if they are small and
+  /// have open ends outside of these.
   void dropMarksOutside(std::vector<const DrawnPath*>& paths,
                         std::map<std::string, int>& leftOut) const {
     const Arrangement lines(segmentsOf(paths), tolerance_);
@@ -1512,6 +1544,15 @@ class CutPatternReader {
       }
     }
     if (boxes.empty()) return;
+    constexpr double kMark = 0.1;  // of the largest part
+    const auto sizeOf = [](const auto& box) { return box.second.diagonal().norm(); };
+    const double most = sizeOf(*std::ranges::max_element(boxes, {}, sizeOf));
+    for (int node = 0; node < std::ssize(parts); ++node) {
+      const auto box = boxes.find(parts[node]);
+      if (lines.leaving(node).size() != 1 || box == boxes.end()) continue;
+      const bool isOutside = lines.areaOf(lines.cycleOf(lines.leaving(node)[0])) <= 0;
+      if (isOutside && sizeOf(*box) < kMark * most) boxes.erase(box);
+    }
     const auto isOutside = [&](const DrawnPath* path) {
       const auto node = lines.nodeAt(path->points.front());
       if (!node || boxes.contains(parts[*node])) return false;
@@ -1618,8 +1659,10 @@ namespace {
 /// Scales a drawing without a length unit: one of its units becomes this long.
 void rescale(Drawing& drawing, const LengthUnit& unit) {
   const double factor = unit.metres / drawing.unit;
-  for (DrawnPath& path : drawing.paths) {
-    for (Vector2& point : path.points) point *= factor;
+  for (auto* paths : {&drawing.paths, &drawing.shapes}) {
+    for (DrawnPath& path : *paths) {
+      for (Vector2& point : path.points) point *= factor;
+    }
   }
   drawing.origin *= factor;
   drawing.rounding *= factor;
@@ -1653,17 +1696,21 @@ model::Model readDrawnModel(const Drawing& drawing, const fs::path& file,
       warnings.insert(warnings.end(), own.begin(), own.end());
       return model;
     } catch (const InputError& error) {
-      // Editors join, split and round lines. If so, read it as any other drawing.
+      // Editors join, split and round lines. If so, read it as any other drawing, but each hinge is
+      // a joint.
       ReadSettings others = settings;
-      const bool hasHinges = std::ranges::any_of(drawing.paths, [](const DrawnPath& path) {
-        return std::ranges::find(path.names, "hinges") != path.names.end();
-      });
-      if (hasHinges) others.ignore = {"hinges"};
-      try {
-        return readAs(others);
-      } catch (const InputError&) {
-        throw error;
+      std::size_t hinges = 0;
+      for (const DrawnPath& path : drawing.paths) {
+        const bool isHinge = std::ranges::find(path.names, "hinges") != path.names.end();
+        hinges += isHinge ? path.points.size() - 1 : 0;
       }
+      if (hinges > 0) others.ignore = {"hinges"};
+      try {
+        model::Model model = readAs(others);
+        if (hinges == 0 || model.joints.size() == hinges) return model;
+      } catch (const InputError&) {
+      }
+      throw error;
     }
   }
   return readAs(settings);
@@ -1686,7 +1733,25 @@ DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
   ReadSettings inMetres = settings;
   inMetres.neckWidth *= unit.metres;
   DrawnSheet sheet;
-  sheet.model = readDrawnModel(drawing, file, inMetres, warnings, sheet.ignored);
+  std::vector<std::string> notes;
+  sheet.model = readDrawnModel(drawing, file, inMetres, notes, sheet.ignored);
+  // Without hinges, the shapes that were omitted may be the slots.
+  if (sheet.model.joints.empty() && !drawing.shapes.empty()) {
+    Drawing whole = drawing;
+    whole.paths.insert(whole.paths.end(), drawing.shapes.begin(), drawing.shapes.end());
+    whole.ignored.erase(kShapeWithoutStroke);
+    DrawnSheet other;
+    std::vector<std::string> otherNotes;
+    try {
+      other.model = readDrawnModel(whole, file, inMetres, otherNotes, other.ignored);
+    } catch (const InputError&) {
+    }
+    if (!other.model.joints.empty()) {
+      sheet = std::move(other);
+      notes = std::move(otherNotes);
+    }
+  }
+  warnings.insert(warnings.end(), notes.begin(), notes.end());
   sheet.model.unit = unit;
   // Corners where lines meet have more digits than the lines.
   sheet.model.rounding = roundingOf(sheet.model.tiles, drawing.rounding);

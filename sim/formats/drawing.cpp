@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <system_error>
 
 #include <Eigen/Geometry>
@@ -19,6 +20,8 @@ namespace {
 
 // Fraction of the drawing's size.
 constexpr double kFlattening = 5e-5;
+// Fraction of a drawing's numbers that may have more decimals than its last digit.
+constexpr double kFew = 0.05;
 constexpr const char* kDrawingPurpose = "give an SVG or an ASCII DXF file with lines to cut";
 
 /// Windows programs write UTF-16. Only ASCII characters matter in a DXF file.
@@ -55,9 +58,12 @@ std::string lowerCase(std::string_view text) {
 }
 
 double DecimalCounts::lastPlace() const {
-  const auto most = std::max_element(numbers.begin() + 1, numbers.end());
-  const auto decimals = std::distance(numbers.begin(), most);
-  return *most == 0 ? 1 : decimals < 7 ? std::pow(10.0, -static_cast<double>(decimals)) : 0;
+  const int all = std::reduce(numbers.begin(), numbers.end());
+  int decimals = static_cast<int>(numbers.size()) - 1;
+  for (int finer = numbers[decimals]; decimals > 0 && finer <= kFew * all;) {
+    finer += numbers[--decimals];
+  }
+  return decimals < 7 ? std::pow(10.0, -decimals) : 0;
 }
 
 double drawnNumber(std::string_view text, const FileLocation& place, DecimalCounts* decimals) {
@@ -74,9 +80,8 @@ double drawnNumber(std::string_view text, const FileLocation& place, DecimalCoun
   }
   const std::size_t point = typed.find('.');
   const std::size_t exponent = std::min(typed.find_first_of("eE"), typed.size());
-  const std::size_t count = exponent < typed.size() ? 15
-                            : point < exponent      ? exponent - point - 1
-                                                    : 0;
+  const std::size_t last = typed.find_last_not_of('0');
+  const std::size_t count = exponent < typed.size() ? 15 : point < last ? last - point : 0;
   if (decimals) ++decimals->numbers[std::min<std::size_t>(count, 15)];
   return value;
 }

@@ -30,7 +30,8 @@ struct DrawnPath {
 
 /// A drawing. Lengths are in metres. The drawing's own coordinates are used in messages.
 struct Drawing {
-  std::vector<DrawnPath> paths;        ///< in the order of the file
+  std::vector<DrawnPath> paths;   ///< in the order of the file
+  std::vector<DrawnPath> shapes;  ///< filled shapes without a stroke, if other lines have strokes
   std::map<std::string, int> ignored;  ///< other elements than lines, with counts: {"text", 2}
   double unit = 1;                     ///< metres per unit of the drawing's coordinates
   std::string unitName;                ///< "mm"; "px" or "units" if the file has no unit of length
@@ -82,6 +83,9 @@ Drawing readDxfDrawing(const std::filesystem::path& file, const std::string& tex
 // ------------------------------------------------------------------------------------------------
 // Functions of both readers.
 
+/// The name of Drawing::shapes in Drawing::ignored.
+inline constexpr const char* kShapeWithoutStroke = "shape without a stroke";
+
 /// Maximum number of points of a drawing, a limit for nested blocks.
 inline constexpr std::size_t kMostDrawnPoints = 2'000'000;
 
@@ -100,9 +104,11 @@ std::string normalColour(std::string_view text);
 
 /// Counts of decimals of a drawing's coordinates.
 struct DecimalCounts {
-  std::array<int, 16> numbers{};  ///< count of coordinates with 0, 1, ... decimals, or 15 and more
+  /// Count of coordinates with 0, 1, ... decimals, or 15 and more, without zeros at the end.
+  std::array<int, 16> numbers{};
 
-  /// The last place of most numbers with decimals; 0 if they have 7 or more decimals.
+  /// The finest place that is in use: 1, 0.1, ... A few numbers may have more decimals. 0 for 7 or
+  /// more decimals.
   double lastPlace() const;
 };
 

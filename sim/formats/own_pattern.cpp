@@ -8,17 +8,22 @@
 // 1. *Necks* are removed: cuts whose middle is the h of a hinge.
 // 2. *Ends* that a hinge shortened are moved back to its m: ends at its h, ends of its neck, and
 //    ends of a single line that points at an m (if several hinges shortened one side).
-// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the first one clockwise
+// 3. *Cuts* have a tile on one side. A ray from the middle of a cut to its tile crosses an odd
+//    number of other cuts. Editors reverse and mirror lines, so their own directions do not count.
+// 4. *Tiles* are the cycles of directed sides. At a vertex the next side is the first one clockwise
 //    from the reverse of the incoming side. The tile's own corner lies between them.
-// 4. *Joints* connect the corners at m whose sides bound the gap with the hinge's line.
+// 5. *Joints* connect two corners at m. The line of the hinge lies between the bisectors of their
+//    angles, and no other bisector does.
 //
-// Step 3 traces the faces of a planar straight-line graph, as in a doubly connected edge list (M.
-// de Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
-// tile on one side and are traced in one direction. Slits have a tile on both sides.
+// Step 4 traces the faces of a planar straight-line graph, as in a doubly connected edge list (M.
+// de Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts are
+// traced in one direction. Slits have a tile on both sides.
 //
 // All tolerances are fractions of the pattern's size: 1e-7 for points, ten times that for ends
-// computed from a neck, a hundred times that for directions written with few digits. In a drawing
-// with fewer digits they are 2, 4 and 6 units of the last digit.
+// computed from a neck, a hundred times that for lines that point at a joint. In a drawing with
+// fewer digits they are 2, 4 and 6 units of the last digit. The direction of a line of length L has
+// the tolerance of points / L. A distance d beyond its end, the line is off by d / L as much as its
+// ends.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -40,8 +45,6 @@ namespace fs = std::filesystem;
 constexpr const char* kPatternPurpose = "give a cut pattern from `kirireel export`";
 // Points nearer than this fraction of the pattern's size are one.
 constexpr double kSamePatternPoint = 1e-7;
-// Sides whose directions differ by less than this, radians, are parallel.
-constexpr double kSamePatternDirection = 1e-6;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 enum class LineLayer { Cuts, Slits, Hinges, Other };
@@ -112,15 +115,7 @@ class PatternReader {
     if (!(tolerance_ > 0)) throw patternFault(file_, "the file has no lines of a sheet");
     takeNecks();
     restoreEnds();
-    for (const DirectedSide& side : sides_) {
-      const double length = (points_[side.to] - points_[side.from]).norm();
-      if (isRounded_) sameDirection_ = std::max(sameDirection_, 2 * tolerance_ / length);
-    }
-    for (const DrawnNeck& neck : necks_) {
-      const double length = (neck.middle - neck.joint).norm();
-      if (isRounded_) sameDirection_ = std::max(sameDirection_, tolerance_ / length);
-    }
-    sameDirection_ = std::min(sameDirection_, 0.02);
+    orientCuts();
     for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
     for (int k = 0; k < std::ssize(sides_); ++k) {
       // The reverse sides of slits come last, so tiles begin with their own lines.
@@ -162,8 +157,29 @@ class PatternReader {
     return box.isEmpty() ? 0 : box.diagonal().norm();
   }
 
+  /// Reverses hinges that end at their m: their begin is the middle of a neck, or the end of one
+  /// slit.
+  void orientHinges() {
+    PointNumbers places(endTolerance(), origin_);
+    std::unordered_map<int, int> hinges, ends, middles;  // counts at each place
+    for (const DrawnLine& line : lines_) {
+      const bool isHinge = line.layer == LineLayer::Hinges;
+      for (const Vector2& end : {line.from, line.to}) ++(isHinge ? hinges : ends)[places.add(end)];
+      if (line.layer == LineLayer::Cuts) ++middles[places.add(0.5 * (line.from + line.to))];
+    }
+    const auto isMiddle = [&](const Vector2& point) {
+      const int place = *places.find(point);
+      return middles[place] > 0 || (ends[place] == 1 && hinges[place] == 1);
+    };
+    for (DrawnLine& line : lines_) {
+      if (line.layer != LineLayer::Hinges || !isMiddle(line.from) || isMiddle(line.to)) continue;
+      std::swap(line.from, line.to);
+    }
+  }
+
   /// Step 1: hinges, their necks, and the ends that they shortened.
   void takeNecks() {
+    orientHinges();
     PointNumbers middles(endTolerance(), origin_);
     for (const DrawnLine& line : lines_) {
       if (line.layer != LineLayer::Hinges) continue;
@@ -195,12 +211,14 @@ class PatternReader {
     if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
   }
 
-  /// Whether the extension of a line from `other` to `end` reaches the joint.
+  /// Whether the extension of a line from `other` to `end` reaches the joint. A short line has an
+  /// inaccurate direction.
   bool pointsAt(const Vector2& joint, const Vector2& other, const Vector2& end) const {
     const Vector2 along = (end - other).normalized();
     const Vector2 rest = joint - end;
     const double ahead = rest.dot(along);
-    return ahead > 0 && (rest - ahead * along).norm() <= directionTolerance();
+    const double slack = directionTolerance() + 4 * tolerance_ * ahead / (end - other).norm();
+    return ahead > 0 && (rest - ahead * along).norm() <= slack;
   }
 
   /// Step 2.
@@ -239,7 +257,7 @@ class PatternReader {
         file_, fmt::format("the line that ends at {} is not connected", drawing_.place(end)));
   }
 
-  // A slit becomes two sides, one for each tile. A cut has a tile only on its left.
+  // A slit becomes two sides, one for each tile. A cut has a tile on one side.
   void addSide(int from, int to, bool isSlit) {
     if (from == to) throw patternFault(file_, "a line has no length");
     const int number = static_cast<int>(sides_.size());
@@ -249,18 +267,50 @@ class PatternReader {
     sides_.push_back({to, from, number, -1, -1, true});
   }
 
-  /// The angle in a range of one full turn, which begins just below 0 because of rounding.
-  double turnedBy(double angle) const {
-    double turn = std::fmod(angle, kTurn);
-    if (turn < -sameDirection_) turn += kTurn;
-    return turn >= kTurn - sameDirection_ ? turn - kTurn : turn;
+  /// Step 3: the tile is on the left. The drawn direction counts for sides along other cuts.
+  void orientCuts() {
+    std::vector<DirectedSide*> cuts;
+    for (DirectedSide& side : sides_) {
+      if (side.twin < 0) cuts.push_back(&side);
+    }
+    std::vector<DirectedSide*> reversed;
+    for (DirectedSide* cut : cuts) {
+      const Vector2 along = alongOf(*cut).normalized();
+      const Vector2 middle = 0.5 * (points_[cut->from] + points_[cut->to]);
+      int crossings = 0;
+      bool isShared = false;
+      for (const DirectedSide* other : cuts) {
+        const Vector2 a = points_[other->from] - middle, b = points_[other->to] - middle;
+        const double first = a.dot(along), last = b.dot(along);
+        if (other == cut || (first > 0) == (last > 0)) continue;
+        const double height = crossOf(along, a + first / (first - last) * (b - a));
+        isShared |= std::abs(height) <= tolerance_;
+        crossings += height > 0 ? 1 : 0;
+      }
+      if (!isShared && crossings % 2 == 0) reversed.push_back(cut);
+    }
+    for (DirectedSide* cut : reversed) std::swap(cut->from, cut->to);
   }
 
-  /// Step 3.
+  Vector2 alongOf(const DirectedSide& side) const { return points_[side.to] - points_[side.from]; }
+
+  /// Tolerance of the angle between two lines, radians.
+  double angleTolerance(const Vector2& a, const Vector2& b) const {
+    constexpr double kLeastCorner = 0.02;
+    return std::min(tolerance_ / a.norm() + tolerance_ / b.norm(), kLeastCorner);
+  }
+
+  /// The corner of a tile between the reverse of a side and the next side: (0, 2 pi].
+  double cornerBetween(const DirectedSide& incoming, const DirectedSide& next) const {
+    const Vector2 back = -alongOf(incoming), along = alongOf(next);
+    const double corner = angleOf(back) - angleOf(along);
+    const double least = angleTolerance(back, along);
+    return corner - kTurn * std::floor((corner - least) / kTurn);
+  }
+
+  /// Step 4.
   int nextSide(int side) const {
     const DirectedSide& incoming = sides_[side];
-    const Vector2& here = points_[incoming.to];
-    const double back = angleOf(points_[incoming.from] - here);
     int best = -1;
     double least = 2 * kTurn;
     const auto found = leaving_.find(incoming.to);
@@ -268,9 +318,7 @@ class PatternReader {
     for (const int candidate : found->second) {
       // The reverse of the incoming slit would turn back at its end.
       if (candidate == incoming.twin) continue;
-      double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
-      // A side along the reverse direction closes a corner of a full turn: the last choice.
-      if (corner <= sameDirection_) corner += kTurn;
+      const double corner = cornerBetween(incoming, sides_[candidate]);
       if (corner >= least) continue;
       least = corner;
       best = candidate;
@@ -288,8 +336,8 @@ class PatternReader {
       cycle.push_back(side);
       side = nextSide(side);
       // The line ends, another tile has this side, or the cycle is longer than any tile.
-      const bool isStray =
-          side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > model::kMostTileVertices;
+      const bool isStray = side < 0 || (sides_[side].tile >= 0 && side != first) ||
+                           cycle.size() > model::kMostTileVertices;
       if (isStray) {
         const Vector2& where = points_[sides_[cycle.back()].to];
         throw patternFault(
@@ -299,22 +347,25 @@ class PatternReader {
     cycles_.push_back(std::move(cycle));
   }
 
-  /// Step 4.
+  /// Step 5.
   model::Joint jointAt(const DrawnNeck& neck) {
-    const int place = *points_.find(neck.joint);
-    const double towards = angleOf(neck.middle - neck.joint);
+    const Vector2 towards = neck.middle - neck.joint;
     std::optional<model::Corner> before, after;
-    double leastBefore = 2 * kTurn, leastAfter = 2 * kTurn;
-    for (const int side : leaving_[place]) {
+    double leastBefore = kTurn, leastAfter = kTurn;
+    bool isInTile = false;
+    for (const int side : leaving_[*points_.find(neck.joint)]) {
       const DirectedSide& leaving = sides_[side];
       const model::Corner corner{leaving.tile, leaving.vertex};
-      // The angle from the hinge's line to this side, anticlockwise; the tile is on its left.
-      const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
-      // The incoming side of the same tile bounds its corner on the other side.
       const std::vector<int>& cycle = cycles_[leaving.tile];
       const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
-      const double gapBefore =
-          turnedBy(towards - angleOf(points_[sides_[last].from] - points_[place]));
+      const double half = 0.5 * cornerBetween(sides_[last], leaving);
+      // Anticlockwise from the line of the hinge to the bisector.
+      const double turn = angleOf(alongOf(leaving)) + half - angleOf(towards);
+      const double gapAfter = turn - kTurn * std::floor(turn / kTurn);
+      const double gapBefore = kTurn - gapAfter;
+      isInTile |= std::min(gapBefore, gapAfter) <
+                  half - std::max(angleTolerance(towards, alongOf(leaving)),
+                                  angleTolerance(towards, alongOf(sides_[last])));
       if (gapAfter < leastAfter) {
         leastAfter = gapAfter;
         after = corner;
@@ -324,7 +375,7 @@ class PatternReader {
         before = corner;
       }
     }
-    if (!before || !after || before->tile == after->tile) {
+    if (isInTile || !before || !after || before->tile == after->tile) {
       throw patternFault(file_, fmt::format("the hinge at {} does not join two tiles",
                                             drawing_.place(neck.joint)));
     }
@@ -337,8 +388,7 @@ class PatternReader {
   const Drawing& drawing_;
   const fs::path& file_;
   bool isRounded_;
-  double tolerance_;                              // metres
-  double sameDirection_ = kSamePatternDirection;  // radians
+  double tolerance_;  // metres
   Vector2 origin_;
   std::vector<DrawnNeck> necks_;
   std::vector<int> neckAt_;  // by the numbers of their middles

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -834,15 +835,19 @@ class SvgReader {
     points.back() = to;
   }
 
-  /// If other lines have strokes, removes filled shapes: backgrounds, letters, logos.
+  /// If other lines have strokes, sets filled shapes apart: backgrounds, letters, logos, slots.
   void keepStrokes() {
     const auto isFill = [](const DrawnPath& path) { return path.colour.starts_with("fill "); };
     const auto isNothing = [](const DrawnPath& path) {
       return path.colour == "fill none" || path.colour == "fill transparent";
     };
     if (std::ranges::any_of(drawing_.paths, [&](const DrawnPath& p) { return !isFill(p); })) {
-      const auto count = std::erase_if(drawing_.paths, isFill);
-      if (count > 0) drawing_.ignored["shape without a stroke"] += static_cast<int>(count);
+      const auto fills = std::ranges::stable_partition(drawing_.paths, std::not_fn(isFill));
+      for (const DrawnPath& fill : fills) {
+        if (!isNothing(fill)) drawing_.shapes.push_back(fill);
+      }
+      if (!fills.empty()) drawing_.ignored[kShapeWithoutStroke] += static_cast<int>(fills.size());
+      drawing_.paths.erase(fills.begin(), fills.end());
     } else if (!std::ranges::all_of(drawing_.paths, isNothing)) {
       std::erase_if(drawing_.paths, isNothing);
     }

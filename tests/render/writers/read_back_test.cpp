@@ -1,6 +1,9 @@
 // Cut patterns read back: the sheet that they were drawn from, up to the order of its tiles.
+#include <array>
 #include <cmath>
 #include <map>
+#include <random>
+#include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -148,7 +151,7 @@ TEST(Patterns, ComeBackAfterAnEditor) {
     const double size = model::modelSize(drawn);
     const std::vector<writers::PatternLine> lines =
         writers::cutPattern(drawn, 0.05 * leastEdge(drawn));
-    for (const int digits : {2, 3, 9}) {
+    for (const int digits : {2, 3, 4, 5, 6, 9}) {
       const TemporaryFolder folder;
       folder.write("a.svg", resaved(lines, digits, size));
       std::vector<std::string> warnings;
@@ -163,6 +166,93 @@ TEST(Patterns, ComeBackAfterAnEditor) {
       }
     }
   }
+}
+
+/// A joint by its place and the places of its tiles, in units of 1e-4 of the sheet.
+std::set<std::array<long, 6>> placesOf(const model::Model& model, double size) {
+  const Vector3 middle = test::meanCorner(model.tiles);
+  std::set<std::array<long, 6>> places;
+  for (const model::Joint& joint : model.joints) {
+    std::array<Vector3, 3> points = {model.tiles[joint.a.tile].vertices[joint.a.vertex],
+                                     model::tileCentroid(model.tiles[joint.a.tile]),
+                                     model::tileCentroid(model.tiles[joint.b.tile])};
+    std::array<long, 6> place{};
+    for (int k = 0; k < 3; ++k) {
+      for (int axis = 0; axis < 2; ++axis) {
+        place[2 * k + axis] = std::lround(1e4 * (points[k] - middle)[axis] / size);
+      }
+    }
+    const auto isBefore = std::pair(place[4], place[5]) < std::pair(place[2], place[3]);
+    if (isBefore) std::swap_ranges(place.begin() + 2, place.begin() + 4, place.begin() + 4);
+    places.insert(place);
+  }
+  return places;
+}
+
+// Each line and hinge may run in either direction, and copies may be mirrored: start closed or
+// open, with short rests of sides between wide necks.
+TEST(Patterns, DoNotDependOnTheDirectionOfTheirLines) {
+  std::mt19937 random(3);
+  for (const char* name : {"tessellation", "fan", "heart", "hexagons", "crosses", "stampfli-chain",
+                           "penrose-chain", "trefoils"}) {
+    const generate::Family& family = generate::familyNamed(name);
+    for (const double start : {0.0, 25.0}) {
+      std::map<std::string, double> given;
+      const bool opens =
+          std::ranges::any_of(family.parameters, [](const generate::FamilyParameter& parameter) {
+            return parameter.name == "start-angle";
+          });
+      if (start > 0 && (!opens || std::string(name) == "trefoils")) continue;
+      if (start > 0) given["start-angle"] = start;
+      const model::Model drawn = generate::generateModel(family, given);
+      const double size = model::modelSize(drawn);
+      for (const double width : {0.05, 0.4}) {
+        std::vector<writers::PatternLine> lines =
+            writers::cutPattern(drawn, width * leastEdge(drawn));
+        const TemporaryFolder folder;
+        std::vector<std::string> warnings;
+        const auto read = [&](double mirror) {
+          for (writers::PatternLine& line : lines) {
+            if (random() % 2) std::swap(line.from, line.to);
+            for (Eigen::Vector2d* end : {&line.from, &line.to}) {
+              // Five decimals of a millimetre on a sheet of about 150 mm.
+              for (double& x : *end) x = 1e-8 * std::round(1e8 * x * (mirror ? 1 : 0.15 / size));
+              end->x() *= mirror ? mirror : 1;
+            }
+          }
+          folder.write("a.svg", writers::patternSvg(lines));
+          return formats::readModel(folder / "a.svg", std::nullopt, warnings);
+        };
+        SCOPED_TRACE(fmt::format("{} from {} degrees, width {}", name, start, width));
+        const model::Model plain = read(0);
+        EXPECT_EQ(plain.tiles.size(), drawn.tiles.size());
+        EXPECT_EQ(plain.joints.size(), drawn.joints.size());
+        model::Model mirrored = read(-1);
+        const auto expected = placesOf(plain, 0.15);
+        for (model::Tile& tile : mirrored.tiles) {
+          for (Vector3& vertex : tile.vertices) vertex.x() *= -1;
+        }
+        EXPECT_EQ(placesOf(mirrored, 0.15), expected);
+      }
+    }
+  }
+}
+
+// A fallback that ignores the hinges must not make one tile of two.
+TEST(Patterns, KeepEachHingeOrAreRefused) {
+  const std::string text =
+      "<svg width='30mm' height='30mm' viewBox='0 0 30 30'><g id='cuts'><path d='M15.93 "
+      "15.338V14.662'/><path d='M15 15L5 25H25L15.94 15.342L15.93 15.338'/><path d='M15.93 "
+      "14.662L15.94 14.658L25 5H5L15 15'/>{}</g><g id='hinges'><path d='M15 15H15.93'/></g></svg>";
+  const TemporaryFolder folder;
+  folder.write("a.svg", fmt::format(fmt::runtime(text), ""));
+  std::vector<std::string> warnings;
+  const model::Model model = formats::readModel(folder / "a.svg", std::nullopt, warnings);
+  EXPECT_EQ(model.tiles.size(), 2U);
+  EXPECT_EQ(model.joints.size(), 1U);
+  EXPECT_EQ(refusalOf("a.svg", fmt::format(fmt::runtime(text), "<path d='M5 5L3 2'/>")),
+            "/a.svg: error: the line that ends at (3, 2) mm is not connected; give a cut pattern "
+            "from `kirireel export`");
 }
 
 }  // namespace

@@ -408,6 +408,46 @@ TEST(CutPatterns, OtherLinesAreToldApart) {
                   "16 tiles and 24 hinges");
 }
 
+// The last digit of a part that is drawn to half its size is half as large.
+TEST(CutPatterns, PartsOfADrawingMayBeScaled) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string lines;
+  for (const auto& [a, b] : grid.slits) lines += path(a, b, 1);
+  for (int k = 0; k < 4; ++k) {
+    for (int part = 0; part < 4; ++part) {
+      const Point a = grid.outline()[k], step = 0.25 * (grid.outline()[(k + 1) % 4] - a);
+      lines += path(a + part * step, a + (part + 1) * step, 0);
+    }
+  }
+  for (const double scale : {0.5, 0.3, 0.05}) {
+    const Reading reading = read(
+        "a.svg",
+        page(lines + fmt::format("<g transform=\"translate(100)scale({})\">{}</g>", scale, lines)));
+    EXPECT_EQ(reading.model.tiles.size(), 32U) << scale << reading.refusal << reading.note;
+    EXPECT_EQ(reading.model.joints.size(), 48U) << scale;
+  }
+}
+
+TEST(CutPatterns, RegistrationMarksAreOmitted) {
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M-5 -5H-3M-4 -6V-4\"/>"
+                                         "<circle cx=\"-4\" cy=\"-4\" r=\"1\"/>")),
+                  "3 x line outside the sheet");
+}
+
+TEST(CutPatterns, FilledShapesAreSlotsIfTheSheetHasNoOthers) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string slots;
+  for (const Line& slit : grid.slits) slots += closedPath(stadium(slit, 0.2, 1));
+  const Reading reading =
+      read("a.svg", page("<g transform=\"translate(100 100)\">" + closedPath(grid.outline()) +
+                         "<g fill=\"black\" stroke=\"none\">" + slots + "</g></g>"));
+  expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+  expectPlainGrid(
+      read("a.svg", gridWith("<rect x=\"5\" y=\"5\" width=\"3\" height=\"0.2\" fill=\"red\" "
+                             "stroke=\"none\"/>")),
+      "1 x shape without a stroke");
+}
+
 TEST(CutPatterns, DashedCutsAreCutsIfTheSheetHasNoOthers) {
   const SlitGrid grid(4, [] { return 1.0; });
   std::string cuts, marks;
@@ -562,6 +602,9 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
               HasSubstr("the outline is open"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
               HasSubstr("the piece at (10, 10) mm hangs by nothing. End a cut around it"));
+  // A gap in the outline, next to a slit that stops short of it.
+  EXPECT_THAT(read("a.svg", page("<path d=\"M10 0H40V20H0V0H9.5M10 1V20\"/>")).refusal,
+              HasSubstr("the outline is open at (10, 0) mm, 0.5 mm from the next line; close it"));
   // A slit that crosses another one by mistake, and one that crosses it to cut four tiles.
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
               HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond "

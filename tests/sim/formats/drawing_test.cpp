@@ -198,9 +198,8 @@ TEST(SvgDrawing, StylesGiveColoursAndHide) {
   EXPECT_THAT(drawing.paths[2].names, ElementsAre("mark"));
   EXPECT_TRUE(drawing.paths[2].isDashed);
   EXPECT_FALSE(drawing.paths[0].isDashed);
-  EXPECT_THAT(drawing.ignored,
-              ElementsAre(Pair("hidden element", 1),
-                          Pair("shape without a stroke", 1), Pair("text", 1)));
+  EXPECT_THAT(drawing.ignored, ElementsAre(Pair("hidden element", 1),
+                                           Pair("shape without a stroke", 1), Pair("text", 1)));
 }
 
 /// The colours of a drawing's lines.
@@ -441,6 +440,22 @@ TEST(Drawing, PlacesAreTheDrawingsOwn) {
   const Drawing drawing = shapes("<path d=\"M 10.25 20 H 30\"/>");
   EXPECT_EQ(drawing.place(drawing.paths[0].points[0]), "(10.25, 20) mm");
   EXPECT_NEAR(drawing.rounding, 1e-5, 1e-12);
+}
+
+// The finest place of more than a few numbers, not the most frequent one.
+TEST(Drawing, TheLastDigitIsTheFinest) {
+  const auto roundingOf = [](const std::string& fine, int share) {
+    std::string lines;
+    for (int k = 0; k < 10; ++k) {
+      lines += fmt::format("<path d=\"M 10.0 20.50 L {} 40\"/>", 10 * k < share ? fine : "7.00");
+    }
+    return shapes(lines).rounding;
+  };
+  EXPECT_NEAR(roundingOf("7", 100), 1e-4, 1e-15);
+  EXPECT_NEAR(roundingOf("7.125", 30), 1e-6, 1e-15);  // 3 of 40
+  EXPECT_NEAR(roundingOf("7.125", 20), 1e-4, 1e-15);  // 2 of 40
+  EXPECT_EQ(roundingOf("7.12345678", 30), 0);
+  EXPECT_NEAR(shapes("<path d=\"M 10.0 20.0 L 7.0 40.00\"/>").rounding, 1e-3, 1e-15);
 }
 
 }  // namespace
