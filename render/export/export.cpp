@@ -140,6 +140,15 @@ fea::ElementRule numbered(fea::ElementRule rule, const model::Model& model) {
   return rule;
 }
 
+/// The elements of a state, with the run's springs at hinges.
+fea::ElementMesh stateMesh(const trajectory::Subject& subject, const Poses& poses,
+                           const fea::ElementRule& rule) {
+  fea::ElementMesh mesh = fea::makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
+  // Springs that decks cannot have are left out; exportWarnings() reports them.
+  fea::addHingeSprings(mesh, subject.bricks, brick::hingeSpringsOf(subject.pairForces), poses);
+  return mesh;
+}
+
 /// Whether a drive has its own mesh: the user chose no elements, and tiles on ideal hinges are
 /// rigid in the motion. Coarse elements need a tenth of the increments and a hundredth of the time.
 /// They have no flanks apart from joints, which contact would need.
@@ -267,10 +276,7 @@ class Exporter {
   void writeState(const ChosenState& state, const trajectory::Sample& sample) {
     const std::string name = fileStem(state.label);
     if (exportsElements(settings_) && !isNecked()) {
-      fea::ElementMesh mesh =
-          fea::makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
-      // Springs without patches are left out; exportWarnings() has reported them.
-      fea::addHingeSprings(mesh, brick::hingeSpringsOf(subject_.pairForces), sample.poses);
+      fea::ElementMesh mesh = stateMesh(subject_, sample.poses, elements_);
       const fea::DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its node sets belong to the end of the mesh deck.
@@ -748,11 +754,18 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   const std::vector<brick::HingeSpring>& springs =
       brick::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
+  const auto folds = std::ranges::count_if(
+      springs, [&](auto& one) { return one.stiffness > 0 && fea::isFold(one.hinge, bricks); });
   // Only patches have rotations for springs.
   if (hasSprings && settings.elements.joints != fea::JointStyle::Patch) {
     lines.emplace_back(
         "warning: these decks lack the run's springs at hinges, which need rigid patches; choose "
         "--joints patch");
+  } else if (folds > 0) {
+    lines.push_back(
+        fmt::format("warning: these decks lack the run's springs at {} folds. Only hinges across "
+                    "the tiles have springs",
+                    folds));
   }
   if (!brick::ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
@@ -979,6 +992,7 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
 
 std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
+  const auto isEnd = [](const std::string& name) { return name == "initial" || name == "final"; };
   // By sample: states are in the order of time, for any order of names.
   std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
   for (const std::string& name : names) {
@@ -986,7 +1000,10 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
     // `all` names each sample itself, so other names are not allowed with it.
     for (std::size_t sample = first; sample <= last; ++sample) {
       const auto [place, isNew] = chosen.try_emplace(sample, name, stateLabel(name, sample));
-      if (isNew) continue;
+      // The only sample of a run is its initial and its final state: the default names both.
+      const bool isBothEnds =
+          place->second.first != name && isEnd(place->second.first) && isEnd(name);
+      if (isNew || isBothEnds) continue;
       throw InputError(
           fmt::format("error: states '{}' and '{}' are both sample {}; remove one of them",
                       place->second.first, name, sample));
@@ -1068,7 +1085,7 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const Poses poses = trajectory.sample(state.sample).poses;
     const auto meshBy = [&](const fea::ElementRule& rule) {
-      return fea::makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
+      return stateMesh(subject, poses, rule);
     };
     check(state.label, meshBy, fea::defaultPerEdge(subject.bricks, settings.elements));
   }

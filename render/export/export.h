@@ -89,8 +89,9 @@ std::string stateLabel(const std::string& name, std::size_t sample);
 /// - `event:TEXT`: the first event whose text contains TEXT.
 ///
 /// Fractions, times and events select the nearest sample. Throws InputError for a name that is not
-/// in the list, a state that is not in the trajectory, and two names of one sample. An angle reads
-/// the trajectory up to its sample. The others read only times.
+/// in the list, a state that is not in the trajectory, and two names of one sample. Only `initial`
+/// and `final` may be one sample, of a run that has no other: one state with the first of these
+/// names. An angle reads the trajectory up to its sample. The others read only times.
 std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names);
 

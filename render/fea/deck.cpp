@@ -377,9 +377,9 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 //
 // Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
-// as the same double (fmt's "{}") usually fits. 14 digits with sign, point and exponent always fit:
-// 1 + 1 + 1 + 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below 1e-90
-// become zero.
+// as the same double (fmt's "{:#}") usually fits. 14 digits with sign, point and exponent always
+// fit: 1 + 1 + 1 + 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below
+// 1e-90 become zero.
 //
 // Units. A deck has no units, and the user must keep them consistent. With lengths in mm and forces
 // in N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa). Mass is in tonnes, because 1 N = 1 t mm/s^2.
@@ -419,10 +419,10 @@ bool isReportableOverlap(double overlap, double thickness) {
 }
 
 std::string deckNumber(double value) {
-  // CalculiX needs a real number with a point.
   if (std::abs(value) < kSmallest) return "0.";
-  const std::string exact = fmt::format("{}", value);
-  return exact.size() <= kLongestNumber ? exact : fmt::format("{:.14g}", value);
+  // "#" gives every number a point: CalculiX refuses 2500 as a stiffness.
+  const std::string exact = fmt::format("{:#}", value);
+  return exact.size() <= kLongestNumber ? exact : fmt::format("{:#.14g}", value);
 }
 
 void appendNumbers(std::string& text, const int* numbers, std::size_t count) {
@@ -477,9 +477,9 @@ std::string heading(const DeckOrigin& origin, const std::string& subject) {
 // rotations 4 to 6 of its one body. *MPC PIN equates the displacements of two nodes: the bodies
 // share a point and rotate freely.
 //
-// A spring is SPRING2 between one degree of freedom of each of two nodes: 3 of ROT NODEs in
-// CalculiX, 6 of reference nodes in Abaqus. Both are the rotation about z. The deck's moment is
-// force times length: 1 N m is 1e3 N mm.
+// A spring is SPRING2 between one degree of freedom of each of two nodes. Rotations are 1 to 3 of
+// ROT NODEs in CalculiX, 4 to 6 of reference nodes in Abaqus. An axis that is not along x, y or z
+// is the first of an *ORIENTATION. The deck's moment is force times length: 1 N m is 1e3 N mm.
 
 PatchDeck::PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solver_(solver) {
   if (mesh.rule.joints != JointStyle::Patch) return;
@@ -507,10 +507,6 @@ PatchDeck::PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solv
 int PatchDeck::addNode(std::size_t cluster) {
   nodes_.push_back(referencePosition(mesh_, cluster));
   return static_cast<int>(mesh_.nodes.size() + nodes_.size()) - 1;
-}
-
-int PatchDeck::turningNode(int cluster, int patch) const {
-  return own_[cluster][patch];
 }
 
 void PatchDeck::appendBodies(std::string& text) const {
@@ -542,11 +538,23 @@ void PatchDeck::appendSprings(std::string& text, DeckUnit unit) const {
   std::size_t number = mesh_.elements.size();
   for (std::size_t k = 0; k < mesh_.springs.size(); ++k) {
     const PatchSpring& spring = mesh_.springs[k];
+    Eigen::Index along = 0;
+    std::string orientation;
+    spring.axis.cwiseAbs().maxCoeff(&along);
+    if ((spring.axis.array() != 0).count() > 1) {
+      along = 0;
+      orientation = fmt::format(", ORIENTATION=AXIS_{:05}", k);
+      const Vector3 across = spring.axis.unitOrthogonal();
+      appendText(text, "*ORIENTATION, NAME=AXIS_{:05}\n{}, {}, {}, {}, {}, {}\n", k,
+                 deckNumber(spring.axis.x()), deckNumber(spring.axis.y()),
+                 deckNumber(spring.axis.z()), deckNumber(across.x()), deckNumber(across.y()),
+                 deckNumber(across.z()));
+    }
     appendText(text,
                "*ELEMENT, TYPE=SPRING2, ELSET=SPRING_{0:05}\n{1}, {2}, {3}\n"
-               "*SPRING, ELSET=SPRING_{0:05}\n{4}, {4}\n{5}\n",
-               k, ++number, turningNode(spring.cluster, spring.patchA) + 1,
-               turningNode(spring.cluster, spring.patchB) + 1, axis(),
+               "*SPRING, ELSET=SPRING_{0:05}{4}\n{5}, {5}\n{6}\n",
+               k, ++number, own_[spring.cluster][spring.patchA] + 1,
+               own_[spring.cluster][spring.patchB] + 1, orientation, rotation(along),
                deckNumber(moment * spring.stiffness));
   }
 }
@@ -559,16 +567,19 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
     if (spring.moment == 0) continue;
     for (const auto& [patch, moment] :
          {std::pair{spring.patchA, -spring.moment}, {spring.patchB, spring.moment}}) {
-      appendText(text, "{}, {}, {}\n", turningNode(spring.cluster, patch) + 1, axis(),
-                 deckNumber(unitMoment * moment));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (spring.axis[axis] == 0) continue;
+        appendText(text, "{}, {}, {}\n", own_[spring.cluster][patch] + 1, rotation(axis),
+                   deckNumber(unitMoment * moment * spring.axis[axis]));
+      }
     }
   }
 }
 
 // ------------------------------------------------------------------------------------------------
-// Rigid patches have rotations, solid elements have none. A spring connects the rotations about z
-// of two tiles' patches. It is linear in the angle from the mesh's state, for any angle. Its moment
-// in that state is a load:
+// Rigid patches have rotations, solid elements have none. A spring connects the rotations of two
+// tiles' patches about the hinge's axis in the mesh's state. It is linear in the angle from that
+// state, for any angle as long as the axis keeps its direction. Its moment in that state is a load:
 //
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
 //
@@ -606,18 +617,24 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 
 }  // namespace
 
-int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> springs,
-                    const Poses& poses) {
-  // A sine: the deck's springs turn only about z. A hinge is upright within a micrometre per metre.
-  constexpr double kUpright = 1e-6;
+bool isFold(const brick::Hinge& hinge, const std::vector<brick::Brick>& bricks) {
+  // Axes lie in a tile or across it.
+  return std::abs(bricks[hinge.brickA].normal.dot(hinge.axis)) < 0.5;
+}
+
+int addHingeSprings(ElementMesh& mesh, const std::vector<brick::Brick>& bricks,
+                    std::span<const brick::HingeSpring> springs, const Poses& poses) {
+  constexpr double kNoComponent = 1e-9;
   const std::vector<double> moments = brick::hingeMoments(springs, poses);
   int left = 0;
   for (std::size_t k = 0; k < springs.size(); ++k) {
     const brick::HingeSpring& spring = springs[k];
     if (spring.stiffness == 0) continue;
-    const Vector3 axis = poses[spring.hinge.brickA].rotation * spring.hinge.axis;
+    // Rounding must not add components to an axis along x, y or z.
+    Vector3 axis = poses[spring.hinge.brickA].rotation * spring.hinge.axis;
+    axis = (axis.array().abs() < kNoComponent).select(0, axis).normalized();
     std::vector<PatchSpring> places;
-    if (std::hypot(axis.x(), axis.y()) <= kUpright) {
+    if (!isFold(spring.hinge, bricks)) {
       places = placesBetween(mesh, spring.hinge.brickA, spring.hinge.brickB);
     }
     // The caller reports the springs that are left out.
@@ -625,8 +642,8 @@ int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> sprin
     const double share = 1.0 / static_cast<double>(std::max<std::size_t>(places.size(), 1));
     for (PatchSpring& place : places) {
       place.stiffness = share * spring.stiffness;
-      // A hinge whose axis points down has its angle reversed.
-      place.moment = share * std::copysign(1, axis.z()) * moments[k];
+      place.moment = share * moments[k];
+      place.axis = axis;
       mesh.springs.push_back(place);
     }
   }
@@ -653,8 +670,7 @@ int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> sprin
 namespace {
 
 /// Between the rounding of poses and the length of the shortest elements.
-constexpr double kSamePlane = 1e-6;   ///< of the sheet's size
-constexpr double kSameLength = 1e-9;  ///< of the sheet's size: extents count as equal
+constexpr double kSamePlane = 1e-6;  ///< of the sheet's size
 /// By axis, MIN before MAX: plane k is across axis k / 2.
 constexpr const char* kPlanes[] = {"XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"};
 
@@ -746,17 +762,6 @@ std::vector<NamedNodes> boundarySets(const ElementMesh& mesh) {
     addCorner(referenceNode(mesh, c), referencePosition(mesh, c));
   }
   return sets;
-}
-
-int longestAxis(const ElementMesh& mesh) {
-  const Eigen::AlignedBox3d box = boxOf(mesh);
-  const int axes = mesh.ends.isFlat ? 2 : 3;
-  int longest = 0;
-  for (int axis = 1; axis < axes; ++axis) {
-    const double more = box.sizes()[axis] - box.sizes()[longest];
-    if (more > kSameLength * box.sizes().norm()) longest = axis;
-  }
-  return longest;
 }
 
 std::vector<NodeShare> endShares(const ElementMesh& mesh, int end) {

@@ -177,8 +177,8 @@ class PatchDeck {
   /// and patch, zero-based.
   void appendBodies(std::string& text) const;
 
-  /// Appends springs between patches, *ELEMENT and *SPRING, in this unit. Stiffness is in N mm/rad
-  /// for millimetres.
+  /// Appends springs between patches, *ORIENTATION, *ELEMENT and *SPRING, in this unit. Stiffness
+  /// is in N mm/rad for millimetres.
   void appendSprings(std::string& text, DeckUnit unit) const;
 
   /// Appends the moments of springs that are not at rest in the mesh's state, as rows of *CLOAD.
@@ -187,9 +187,10 @@ class PatchDeck {
 
  private:
   int addNode(std::size_t cluster);
-  /// The zero-based node whose displacement or rotation `axis()` is a patch's turn about z.
-  int turningNode(int cluster, int patch) const;
-  int axis() const { return solver_ == Solver::Calculix ? 3 : 6; }
+  /// The degree of freedom of a patch's own node that is its rotation about an axis, 0 to 2.
+  Eigen::Index rotation(Eigen::Index axis) const {
+    return axis + (solver_ == Solver::Calculix ? 1 : 4);
+  }
 
   const ElementMesh& mesh_;
   Solver solver_;
@@ -202,13 +203,17 @@ class PatchDeck {
 // ------------------------------------------------------------------------------------------------
 // Springs at the hinges of a deck.
 
+/// Whether a hinge's axis lies in its tiles. Its springs have no place in a deck, because the axis
+/// rotates with the tiles.
+bool isFold(const brick::Hinge& hinge, const std::vector<brick::Brick>& bricks);
+
 /// Adds hinge springs of the bricks at these poses to a mesh with rigid patches. Only hinges across
-/// the plane z = const count. The patches that join two tiles share their spring equally. Returns
-/// the number of other springs, which are left out, as are all in a mesh without patches. `springs`
-/// identify bricks by the tiles' numbers in the mesh. `poses` are those of the mesh. Angles in
-/// radians, stiffness in N m/rad. Springs with stiffness 0 count as absent.
-int addHingeSprings(ElementMesh& mesh, std::span<const brick::HingeSpring> springs,
-                    const Poses& poses);
+/// their tiles count, in any plane. The patches that join two tiles share their spring equally.
+/// Returns the number of other springs, which are left out, as are all in a mesh without patches.
+/// `springs` identify `bricks` by the tiles' numbers in the mesh. `poses` are those of the mesh.
+/// Angles in radians, stiffness in N m/rad. Springs with stiffness 0 count as absent.
+int addHingeSprings(ElementMesh& mesh, const std::vector<brick::Brick>& bricks,
+                    std::span<const brick::HingeSpring> springs, const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------
 // The nodes at the ends of a sheet.
@@ -226,10 +231,6 @@ struct NamedNodes {
 /// rigid patches are included. A set may be empty. The order is that of this list. One pass over
 /// the nodes, does not throw.
 std::vector<NamedNodes> boundarySets(const ElementMesh& mesh);
-
-/// The axis of the sheet (SheetEnds) with the largest extent, among axes with a MIN and a MAX. 0 is
-/// x, 1 is y, 2 is z. The first of several equal axes.
-int longestAxis(const ElementMesh& mesh);
 
 /// Share of a node in a load of 1 N that is distributed evenly over an end.
 struct NodeShare {

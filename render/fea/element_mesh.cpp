@@ -315,7 +315,7 @@ void divideBricks(const std::vector<brick::Brick>& bricks, const std::vector<mod
   }
 }
 
-/// The ends of hinged tiles, before corners are merged: bricks have their own.
+/// The ends of hinged tiles, before hinged corners are merged: bricks have their own.
 SheetEnds endsOf(const ElementMesh& mesh) {
   std::vector<std::vector<Vector3>> polygons;
   double length = 0;
@@ -328,8 +328,12 @@ SheetEnds endsOf(const ElementMesh& mesh) {
     }
     edges += polygon.size();
   }
-  const EndEdges found = findEndEdges(polygons, length / static_cast<double>(edges));
-  SheetEnds ends{found.axes, found.isFlat, {}};
+  std::vector<PolygonLink> links;
+  for (const JointNodes& joint : mesh.joints) {
+    links.push_back({joint.tileA, joint.tileB, mesh.nodes[joint.a.front()]});
+  }
+  const EndEdges found = findEndEdges(polygons, links, length / static_cast<double>(edges));
+  SheetEnds ends{found.axes, found.isFlat, found.longest, {}};
   for (std::size_t k = 0; k < ends.faces.size(); ++k) {
     for (const PolygonEdge& edge : found.edges[k]) {
       std::ranges::copy_if(mesh.tiles[edge.polygon].sides, std::back_inserter(ends.faces[k]),
@@ -423,9 +427,9 @@ ElementMesh makeElementMesh(const std::vector<brick::Brick>& bricks,
   mesh.rule = rule;
   if (rule.patchRadius == 0) mesh.rule.patchRadius = defaultPatchRadius(bricks);
   divideBricks(bricks, joints, poses, mesh);
-  mesh.ends = endsOf(mesh);
   joinTiles(mesh, joints);
   mesh.joints = jointNodes(joints, mesh.tiles, mesh.rule.countsFrom);
+  mesh.ends = endsOf(mesh);
   mesh.clusters = findClusters(mesh);
   for (const NodeCluster& cluster : mesh.clusters) {
     mesh.largestGap = std::max(mesh.largestGap, cluster.gap);

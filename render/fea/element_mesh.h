@@ -34,8 +34,8 @@ enum class ElementFamily {
 struct ElementRule {
   int perEdge = 0;  ///< elements along each edge of a tile, 1 to 64; 0: defaultPerEdge, more if
                     ///< joint patches need them
-  int through = 2;        ///< elements through the thickness, 1 to 64
-  bool quadratic = true;  ///< 20 nodes per element, else 8
+  int through = 2;  ///< elements through the thickness, 1 to 64
+  bool quadratic = true;                   ///< 20 nodes per element, else 8
   JointStyle joints = JointStyle::Shared;  ///< connection of tiles at their joints
   double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0: a quarter of the shortest edge
   double size = 0;         ///< maximum length of elements along edges, metres; 0: `perEdge`
@@ -97,13 +97,14 @@ struct NodeCluster {
   double gap = 0;                         ///< largest distance between two nodes, metres
 };
 
-/// A torsional spring between the rigid patches of two tiles, about z.
+/// A torsional spring between the rigid patches of two tiles.
 struct PatchSpring {
-  int cluster = 0;       ///< index into ElementMesh::clusters
-  int patchA = 0;        ///< index into the cluster's patches
-  int patchB = 0;        ///< the same for the other tile
-  double stiffness = 0;  ///< N m/rad
-  double moment = 0;     ///< on B in the mesh's state, opposite on A; N m
+  int cluster = 0;                  ///< index into ElementMesh::clusters
+  int patchA = 0;                   ///< index into the cluster's patches
+  int patchB = 0;                   ///< the same for the other tile
+  double stiffness = 0;             ///< N m/rad
+  double moment = 0;                ///< on B in the mesh's state, opposite on A; N m
+  Vector3 axis = Vector3::UnitZ();  ///< unit, world axes
 };
 
 /// A node that follows a node in another cell of a periodic sheet, see deck.h.
@@ -128,7 +129,8 @@ struct MeshNeck {
 /// The ends of a sheet in its own axes, where a test machine would grip it.
 struct SheetEnds {
   Matrix3 axes = Matrix3::Identity();  ///< columns: unit vectors along the sheet's x, y and z
-  bool isFlat = false;                 ///< all bottoms lie in one plane z = const
+  bool isFlat = false;                 ///< all bottoms lie in one plane, across z
+  int longest = 0;                     ///< axis of the largest extent that has ends: 0 x, 1 y, 2 z
   /// XMIN, XMAX, YMIN, YMAX, ZMIN, ZMAX: faces of elements; empty if no edge is an end.
   std::array<std::vector<ElementFace>, 6> faces;
 };

@@ -94,7 +94,7 @@ struct GripLoad {
 std::vector<GripLoad> gripsOf(const ElementMesh& mesh) {
   std::vector<GripLoad> grips;
   for (const int end : {0, 1}) {
-    const int place = 2 * longestAxis(mesh) + end;
+    const int place = 2 * mesh.ends.longest + end;
     grips.push_back({"GRIP_" + boundarySets(mesh)[place].name, endShares(mesh, place)});
   }
   return grips;
@@ -109,10 +109,18 @@ std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
   return nodes;
 }
 
-/// A uniform traction of 1 N on each grip: tension with sign 1, compression with -1.
+/// A uniform traction of 1 N on each grip: tension with sign 1, compression with -1. Both forces
+/// lie on the line between the middles of the grips, so they are in balance.
 void appendGripForces(std::string& text, const ElementMesh& mesh,
                       const std::vector<GripLoad>& grips, double sign) {
-  const Vector3 along = mesh.ends.axes.col(longestAxis(mesh));
+  constexpr double kRounding = 1e-9;
+  Vector3 along = Vector3::Zero();
+  for (const GripLoad& grip : grips) {
+    along = -along;
+    for (const NodeShare& share : grip.shares) along += share.share * mesh.nodes[share.node];
+  }
+  along.normalize();
+  along = (along.array().abs() < kRounding).select(0, along);
   text += "*CLOAD\n";
   for (const GripLoad& grip : grips) {
     // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
@@ -274,7 +282,7 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   const std::vector<NamedNodes> sets = boundarySets(mesh);
   std::vector<bool> isAtEnd(mesh.tiles.size());
   for (const int end : {0, 1}) {
-    const int place = 2 * longestAxis(mesh) + end;
+    const int place = 2 * mesh.ends.longest + end;
     const std::vector<ElementFace>& faces = mesh.ends.faces[place];
     for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
       const TileElements& tile = mesh.tiles[t];
@@ -325,7 +333,9 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
       text,
       "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
       "joints.\n"
-      "** The nodal forces are those of an even traction on the end's faces.\n"
+      "** The nodal forces are those of an even traction on the end's faces, along the line "
+      "between the\n"
+      "** middles of both ends: they are in balance.\n"
       "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
       "by\n"
       "** one displacement, without strains elsewhere. With fewer supports the sheet is a "
@@ -523,13 +533,14 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   // the opposite sign gives the same energy.
   struct Strain {
     const char* words;
-    double xx, shear;
-    std::optional<double> yy;
+    double xx;
+    std::optional<double> shear, yy;
   };
   const Strain strains[] = {
-      {"stretched along x, free to widen along y", kStrain, 0, std::nullopt},
+      {"stretched along x, free to widen along y and to shear", kStrain, std::nullopt,
+       std::nullopt},
       {"sheared, of the same length along x, free to widen along y", 0, kStrain, std::nullopt},
-      {"compressed along y, of the same length along x", 0, 0, -kStrain}};
+      {"compressed along y, of the same length along x, without shear", 0, 0, -kStrain}};
   for (const Strain& strain : strains) {
     appendText(text, "** The sheet is {}.\n*STEP\n*STATIC\n*BOUNDARY\n", strain.words);
     const auto prescribe = [&](int node, int axis, double component) {
@@ -537,8 +548,9 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
                  deckNumber(component * periodic.period[node] * scale));
     };
     prescribe(0, 0, strain.xx);
-    prescribe(0, 1, 0.5 * strain.shear);
-    prescribe(1, 0, 0.5 * strain.shear);
+    // The second displacement of the first control node prevents a rotation.
+    prescribe(0, 1, 0.5 * strain.shear.value_or(0));
+    if (strain.shear) prescribe(1, 0, 0.5 * *strain.shear);
     if (strain.yy) prescribe(1, 1, *strain.yy);
     appendRequests(text, settings.solver, "NCONTROL", "U, RF");
     if (settings.solver == Solver::Calculix) {

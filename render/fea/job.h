@@ -23,11 +23,11 @@ struct DeckJob {
 };
 
 /// A job that includes the mesh deck `meshFile` and runs without editing. Only leastSupports hold
-/// the sheet. A force of 1 N on each end pulls it along its longest axis (the free nodes of XMIN
-/// and XMAX, or of another axis). The force passes through its joints. Requests displacements,
-/// stresses, strains and reactions. The user can edit it as a template. *INCLUDE gets `meshFile`
-/// unchanged. Throws like leastSupports and costs as much: a sparse factorisation of six unknowns
-/// per tile.
+/// the sheet. A force of 1 N on each end of its longest axis (XMIN and XMAX, or of another axis)
+/// pulls it along the line between the middles of these ends. The force passes through its joints.
+/// Requests displacements, stresses, strains and reactions. The user can edit it as a template.
+/// *INCLUDE gets `meshFile` unchanged. Throws like leastSupports and costs as much: a sparse
+/// factorisation of six unknowns per tile.
 DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                   const std::string& meshFile);
 
@@ -70,9 +70,9 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
                     const DeckOrigin& origin, const std::string& meshFile);
 
 /// A job on one cell of an infinite periodic sheet (periodicity()). Three linear steps apply a
-/// strain of a thousandth: tension along x, free to widen along y; shear; compression along y
-/// without strain along x. Prints the displacements and reactions of the control nodes, in CalculiX
-/// also the strain energy. Throws like periodicity.
+/// strain of a thousandth: tension along x, free to widen along y and to shear; shear, free to
+/// widen along y; compression along y without strain along x and shear. Prints the displacements
+/// and reactions of the control nodes, in CalculiX also the strain energy. Throws like periodicity.
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 

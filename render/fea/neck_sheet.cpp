@@ -75,14 +75,24 @@ const std::vector<int>& loopOf(const writers::NeckOutline& outline, int region) 
 /// The ends of the sheet, in the plane of the outline.
 EndEdges endsOf(const writers::NeckOutline& outline, double tileSize) {
   std::vector<std::vector<Vector3>> polygons;
+  // Regions are connected where two have the same line.
+  std::vector<PolygonLink> links;
+  std::map<std::pair<int, int>, int> firstWith;
   for (const auto* loops : {&outline.tiles, &outline.necks}) {
     for (const std::vector<int>& loop : *loops) {
+      const auto number = static_cast<int>(polygons.size());
       std::vector<Vector3>& polygon = polygons.emplace_back();
       for (const int k : loop)
         polygon.emplace_back(outline.points[k].x(), outline.points[k].y(), 0);
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const std::size_t next = (k + 1) % loop.size();
+        const auto [line, isNew] = firstWith.try_emplace(std::minmax(loop[k], loop[next]), number);
+        if (isNew) continue;
+        links.push_back({line->second, number, 0.5 * (polygon[k] + polygon[next])});
+      }
     }
   }
-  return findEndEdges(polygons, tileSize);
+  return findEndEdges(polygons, links, tileSize);
 }
 
 /// Points along the lines of necks, for distances to the necks. Distance fields need points, so
@@ -403,7 +413,7 @@ SheetEnds endsOf(const ElementMesh& mesh, const RegionMesh& region,
                  const std::vector<std::vector<FootprintSide>>& sides,
                  const writers::NeckOutline& outline, double tileSize) {
   const EndEdges found = endsOf(outline, tileSize);
-  SheetEnds ends{found.axes, found.isFlat, {}};
+  SheetEnds ends{found.axes, found.isFlat, found.longest, {}};
   if (mesh.rule.family != ElementFamily::Plane) {
     ends.axes = outline.sheet.turn.conjugate().toRotationMatrix() * found.axes;
   }

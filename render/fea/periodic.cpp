@@ -485,10 +485,18 @@ class LatticeFinder {
     return !sheet.joints.empty();
   }
 
+  EndEdges sheetEnds() const {
+    std::vector<PolygonLink> links;
+    for (const model::Joint& joint : joints_) {
+      links.push_back({joint.a.tile, joint.b.tile, tiles_[joint.a.tile][joint.a.vertex]});
+    }
+    return findEndEdges(tiles_, links, tileSize_);
+  }
+
   /// Cells next to each other along the sheet's axes, if all edges at opposite ends coincide.
   SheetLattice byContact(const VectorLattice& lattice) const {
     SheetLattice sheet;
-    const EndEdges ends = findEndEdges(tiles_, tileSize_);
+    const EndEdges ends = sheetEnds();
     for (const int axis : {0, 1}) {
       sheet.periods[axis] = extentAlong(ends.axes.col(axis));
       for (const int end : {2 * axis, 2 * axis + 1}) {
@@ -574,7 +582,7 @@ class LatticeFinder {
     Vector3 normal = p.cross(q).normalized();
     if (normal.dot(normal_) < 0) normal = -normal;
     // The sheet's own x axis, which rotates with it.
-    const Matrix3 own = findEndEdges(tiles_, tileSize_).axes;
+    const Matrix3 own = sheetEnds().axes;
     const Vector3 sheetX = own.col(std::abs(normal.dot(own.col(0))) < 0.9 ? 0 : 1);
     double best = 0;
     double length = 0;
@@ -624,7 +632,7 @@ class LatticeFinder {
   /// the sheet's own translations.
   std::string obstacle(const VectorLattice& lattice, bool isStraightOnly) const {
     static constexpr const char* kNames[] = {"XMIN", "XMAX", "YMIN", "YMAX"};
-    const EndEdges ends = findEndEdges(tiles_, tileSize_);
+    const EndEdges ends = sheetEnds();
     for (int axis = 0; axis < 2; ++axis) {
       const Vector3 out = extentAlong(ends.axes.col(axis));
       const std::vector<PolygonEdge>& edges = ends.edges[2 * axis + 1];

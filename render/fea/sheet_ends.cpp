@@ -2,7 +2,14 @@
 // in a plane. A flat sheet lies in it; of any other sheet it is seen along the axis in which it is
 // thinnest.
 //
-// - Axes: the sides of the smallest rectangle around all points.
+// - Axes: the sides of the smallest rectangle around all points. Rhombi have two such rectangles.
+//   The one is chosen whose longer side has the direction u with the larger
+//
+//       sum over links of x^2 (x^2 + d^2),    x = u . (p - m),    d = u . (c_2 - c_1),
+//
+//   p the link's point, m the mean of all p, c_1 and c_2 the middles of its two polygons. This
+//   rotates with the sheet and is the same for mirror images and other numbers of tiles. The sum is
+//   larger where links lie farther apart and connect polygons along u.
 // - An edge whose midpoint sees another edge on its way out along the axis is inside: it is a bank
 //   of a slit or lies at a hole.
 
@@ -20,6 +27,14 @@ namespace {
 constexpr double kFlatSheet = 1e-3;      ///< of the size: tiles lie side by side
 constexpr double kSameExtent = 1e-9;     ///< relative
 constexpr double kSameDirection = 1e-6;  ///< radians
+constexpr double kSameWeight = 1e-7;     ///< relative
+
+/// Zero for no points.
+Vector3 meanOf(const std::vector<Vector3>& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& point : points) sum += point;
+  return sum / static_cast<double>(std::max<std::size_t>(points.size(), 1));
+}
 
 /// Polygons seen along one of the sheet's axes.
 class EndFinder {
@@ -87,23 +102,51 @@ class EndFinder {
 
 }  // namespace
 
-EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons, double tileSize) {
+EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons,
+                      const std::vector<PolygonLink>& links, double tileSize) {
   EndEdges ends;
   Eigen::AlignedBox3d box;
-  std::vector<Eigen::Vector2d> points;
+  std::vector<model::Tile> tiles;
+  std::vector<Vector3> middles;
   for (const auto& polygon : polygons) {
-    for (const Vector3& point : polygon) {
-      box.extend(point);
-      points.emplace_back(point.head<2>());
-    }
+    for (const Vector3& point : polygon) box.extend(point);
+    tiles.push_back({polygon});
+    middles.push_back(meanOf(polygon));
   }
-  if (points.empty()) return ends;
-  ends.isFlat = box.sizes().z() <= kFlatSheet * box.sizes().norm();
-  if (ends.isFlat) {
-    const double turn = model::smallestRectangleAngle(std::move(points), 0);
-    ends.axes = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
+  if (polygons.empty()) return ends;
+  std::vector<Vector3> places;
+  for (const PolygonLink& link : links) places.push_back(link.point);
+  const Vector3 middle = meanOf(places);
+  const auto weight = [&](const Vector3& direction) {
+    double sum = 0;
+    for (const PolygonLink& link : links) {
+      const double x = direction.dot(link.point - middle);
+      const double d = direction.dot(middles[link.second] - middles[link.first]);
+      sum += x * x * (x * x + d * d);
+    }
+    return sum;
+  };
+  const auto frame = model::sheetFrame(tiles, kFlatSheet * box.sizes().norm());
+  ends.isFlat = frame.has_value();
+  if (frame) {
+    std::vector<Eigen::Vector2d> points;
+    for (const auto& polygon : polygons) {
+      for (const Vector3& point : polygon) points.emplace_back(frame->toFrame(point).head<2>());
+    }
+    const double turn =
+        model::smallestRectangleAngle(std::move(points), 0, [&](const Eigen::Vector2d& direction) {
+          return weight(direction.x() * frame->x + direction.y() * frame->y);
+        });
+    ends.axes = frame->axes() * Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
   }
   const EndFinder finder(polygons, ends.axes, tileSize);
+  const Vector3 sizes = finder.box().sizes();
+  for (int axis = 1; axis < (ends.isFlat ? 2 : 3); ++axis) {
+    const double more = sizes[axis] - sizes[ends.longest];
+    const double least = (1 + kSameWeight) * weight(ends.axes.col(ends.longest));
+    const bool isEqual = std::abs(more) <= kSameExtent * sizes.norm();
+    if (isEqual ? weight(ends.axes.col(axis)) > least : more > 0) ends.longest = axis;
+  }
   int seen = 2;
   if (!ends.isFlat) finder.box().sizes().minCoeff(&seen);
   for (int k = 0; k < 6; ++k) {

@@ -17,19 +17,30 @@ struct PolygonEdge {
   auto operator<=>(const PolygonEdge&) const = default;
 };
 
+/// A place at which two polygons of a sheet are connected.
+struct PolygonLink {
+  int first = 0;   ///< polygon, zero-based
+  int second = 0;  ///< the other polygon
+  Vector3 point;   ///< metres
+};
+
 /// The edges at the ends of a sheet.
 struct EndEdges {
   Matrix3 axes = Matrix3::Identity();             ///< see SheetEnds
   bool isFlat = false;                            ///< see SheetEnds
+  int longest = 0;                                ///< see SheetEnds
   std::array<std::vector<PolygonEdge>, 6> edges;  ///< XMIN to ZMAX, each sorted
 };
 
 /// The edges of polygons at each end of their sheet. An edge is at an end if its outward normal is
 /// within 45 degrees of the axis, both its corners are within `tileSize` (metres) of the extreme,
-/// and no polygon lies between it and the outside. The axes of a flat sheet are the sides of the
-/// smallest rectangle around it, x at most 45 degrees from the world's. Other sheets have the
-/// world's axes. ZMIN and ZMAX of flat sheets are empty. Polygons are anticlockwise seen from their
-/// normals. Costs the edges near an end times all edges.
-EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons, double tileSize);
+/// and no polygon lies between it and the outside. The axes of a flat sheet in any plane are the
+/// sides of the smallest rectangle around it and its normal, x at most 45 degrees from that of
+/// model::sheetFrame(). Other sheets have the world's axes. ZMIN and ZMAX of flat sheets are empty.
+/// Of equal rectangles, and of equal sides for the longest axis, the links choose, which rotate
+/// with the sheet. Polygons are anticlockwise seen from their normals. Costs the edges near an end
+/// times all edges.
+EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons,
+                      const std::vector<PolygonLink>& links, double tileSize);
 
 }  // namespace kirireel::fea

@@ -22,17 +22,21 @@ constexpr double kEvenArea = 1e-9;
 // Differences from rounding, as a fraction of the model's size.
 constexpr double kFlat = 1e-9;
 
-/// Smaller differences of relative areas, and of angles in radians, count as equal.
+/// Smaller relative differences, and differences of angles in radians, count as equal.
 constexpr double kSameRectangle = 1e-7;
 
-/// The area of the rectangle around points with its sides rotated by this angle, radians.
-double rectangleArea(const std::vector<Eigen::Vector2d>& points, double angle) {
-  const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
+Eigen::Vector2d directionAt(double angle) {
+  return {std::cos(angle), std::sin(angle)};
+}
+
+/// The sides of the rectangle around points with its sides rotated by this angle, radians.
+Eigen::Vector2d rectangleSides(const std::vector<Eigen::Vector2d>& points, double angle) {
+  const Eigen::Vector2d x = directionAt(angle), y(-x.y(), x.x());
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& point : points) {
     box.extend(Eigen::Vector2d(x.dot(point), y.dot(point)));
   }
-  return box.volume();
+  return box.sizes();
 }
 
 }  // namespace
@@ -86,23 +90,36 @@ std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tole
   return frame;
 }
 
-double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain) {
+double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain,
+                              const std::function<double(const Eigen::Vector2d&)>& weight) {
   constexpr double kQuarter = std::numbers::pi / 2;
   const std::vector<Eigen::Vector2d> outline = convexOutline(std::move(points));
-  double best = 0, least = (1 - gain) * rectangleArea(outline, 0);
+  const auto weightAt = [&](double angle) {
+    if (!weight) return 0.0;
+    const Eigen::Vector2d sides = rectangleSides(outline, angle);
+    const double along = weight(directionAt(angle)), across = weight(directionAt(angle + kQuarter));
+    if (std::abs(sides.x() - sides.y()) <= kSameRectangle * sides.norm()) {
+      return std::max(along, across);
+    }
+    return sides.x() > sides.y() ? along : across;
+  };
+  double best = 0, least = (1 - gain) * rectangleSides(outline, 0).prod(), most = weightAt(0);
   for (std::size_t k = 0; k < outline.size(); ++k) {
     const Eigen::Vector2d side = outline[(k + 1) % outline.size()] - outline[k];
     const double along = std::atan2(side.y(), side.x());
     double angle = along - kQuarter * std::round(along / kQuarter);
     if (angle < -kQuarter / 2 + kSameRectangle) angle += kQuarter;
-    const double area = rectangleArea(outline, angle);
+    const double area = rectangleSides(outline, angle).prod();
+    const double own = weightAt(angle);
     const bool isEqual = std::abs(area - least) <= kSameRectangle * least;
+    const bool isAsHeavy = std::abs(own - most) <= kSameRectangle * most;
     const double more = std::abs(angle) - std::abs(best);
     const bool turnsLess =
         more < -kSameRectangle || (more < kSameRectangle && best != 0 && angle > best);
-    if (isEqual ? !turnsLess : area > least) continue;
+    if (!isEqual ? area > least : isAsHeavy ? !turnsLess : own < most) continue;
     best = angle;
     least = area;
+    most = own;
   }
   return best;
 }

@@ -2,6 +2,7 @@
 /// them. Only gravity, the ground and the screen use z instead.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -67,11 +68,14 @@ Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven);
 
 /// The angle from the axes to the sides of the smallest rectangle around points in the plane,
 /// radians, in (-pi/4, pi/4]. 0 unless this saves more than the fraction `gain`, in [0, 1), of the
-/// area of the rectangle along the axes. Of equal rectangles, the one with the smallest rotation,
-/// anticlockwise if there are two. Tries each side of the convex hull as a side of the rectangle
-/// (H. Freeman, R. Shapira, Determining the minimum-area encasing rectangle for an arbitrary closed
-/// curve, Commun. ACM 18, 1975).
-double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain);
+/// area of the rectangle along the axes. Of equal rectangles, the one whose longer side has the
+/// largest `weight`, if there is one: a function of its direction, a unit vector, with the same
+/// value for the opposite direction. Then the one with the smallest rotation, anticlockwise if
+/// there are two. Tries each side of the convex hull as a side of the rectangle (H. Freeman, R.
+/// Shapira, Determining the minimum-area encasing rectangle for an arbitrary closed curve, Commun.
+/// ACM 18, 1975).
+double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain,
+                              const std::function<double(const Eigen::Vector2d&)>& weight = {});
 
 /// Whether all vertices lie in one plane parallel to the frame's, to the tolerance in metres.
 bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance);

@@ -169,6 +169,34 @@ TEST(ProgramCheck, ReportsHowMuchElementsMatter) {
       HasSubstr("error: --check has no effect without a deck. Export inp or remove --check"));
 }
 
+// By hand: 4 hinges of k = 2 N m/rad between squares of 1 m that turn by t and -t. The middles of the
+// ends move apart by t, so t F = 4 k (2 t)^2: t = F / (16 k) = 0.03125 m for 1 N.
+TEST(ProgramCheck, RunsTheDeckWithItsSprings) {
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
+  const TemporaryFolder scratch;
+  const std::string out = scratch.path().string();
+  const std::string model = scratch / "squares";
+  runKirireel({"generate", "tessellation", model, "--columns", "2", "--rows", "2"});
+  runKirireel({"simulate", model, "--hinge-stiffness", "2", "--duration", "0.2", "--out", out});
+  const ProgramEnd end = runKirireel(
+      {"export", out, "--format", "inp", "--states", "initial", "--joints", "patch", "--check",
+       "--elements-per-edge", "4", "--elements-through", "1", "--linear"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  double own = 0, finer = 0;
+  const std::size_t line = end.out.find("check: initial:");
+  ASSERT_NE(line, std::string::npos) << end.out << end.err;
+  ASSERT_EQ(std::sscanf(end.out.c_str() + line,
+                        "check: initial: 1 N at both ends moves them apart by %lf m, %lf m", &own,
+                        &finer),
+            2)
+      << end.out;
+  EXPECT_NEAR(own, 0.03125, 1e-5);  // exact in the four digits printed
+  EXPECT_NEAR(finer, 0.03125, 1e-5);
+  const std::string job = test::outputOf("cd '" + out + "' && ccx -i state_initial_job");
+  EXPECT_THAT(job, HasSubstr("Job finished"));
+  EXPECT_THAT(job, Not(HasSubstr("ERROR")));
+}
+
 TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
   const TemporaryFolder scratch;
   const std::string out = scratch.path().string();

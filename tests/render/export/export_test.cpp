@@ -95,6 +95,19 @@ TEST_F(Export, RefusesStatesWhoseFilesWouldClash) {
       "error: states 'event:pinned tile' and 'event:tile 3' are both sample 7; remove one of them");
 }
 
+TEST_F(Export, TakesTheOnlySampleForBothDefaults) {
+  trajectory::Trajectory run = opening();
+  run.samples.resize(1);
+  run.events.clear();
+  trajectory::writeTrajectory(run, folder_ / "one.h5");
+  const trajectory::TrajectoryReader reader(folder_ / "one.h5");
+  const std::vector<exports::ChosenState> chosen =
+      exports::chooseStates(reader, exports::ExportSettings().states);
+  EXPECT_EQ(chosen, (std::vector<exports::ChosenState>{{0, "initial"}}));
+  EXPECT_EQ(test::refusalOf([&] { exports::chooseStates(reader, {"initial", "0%"}); }),
+            "error: states 'initial' and '0%' are both sample 0; remove one of them");
+}
+
 TEST_F(Export, NamesFilesByTheStatesAskedFor) {
   std::vector<std::string> labels;
   for (const exports::ChosenState& state : exports::chooseStates(

@@ -46,13 +46,21 @@ std::vector<int> leaders(const fea::ElementMesh& mesh, int tile = -1) {
   return nodes;
 }
 
+/// Tiles in another plane.
+std::vector<model::Tile> placed(std::vector<model::Tile> tiles, const Quaternion& turn) {
+  for (model::Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+  }
+  return tiles;
+}
+
 /// Two squares, diagonal to each other, on a hinge at (1, 1) with a spring of 5 N m/rad. The lower
 /// one is held, the upper one turns.
 class SpringHinge {
  public:
-  /// The spring rests where the upper square has turned by so much.
-  explicit SpringHinge(double rest)
-      : layout_(test::layoutOf({square(0, 0), square(1, 1)},
+  /// The spring rests where the upper square has turned by so much. `turn` places the squares.
+  explicit SpringHinge(double rest, const Quaternion& turn = Quaternion::Identity())
+      : layout_(test::layoutOf(placed({square(0, 0), square(1, 1)}, turn),
                                {{{0, 2}, {1, 0}, model::JointFace::Both}})),
         mesh_(fea::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
                                        {.perEdge = 4, .joints = fea::JointStyle::Patch})) {
@@ -60,17 +68,17 @@ class SpringHinge {
         brick::findHinges(layout_.bricks, brick::makePivots(layout_.joints, layout_.bricks), true)
             .hinges.at(0);
     // Angles grow as tile 1 turns against tile 0, or tile 0 against tile 1.
-    const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.z();
+    const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.dot(turn * Vector3::UnitZ());
     const double start = brick::hingeAngle(hinge, layout_.poses);
     const std::vector<brick::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
-    EXPECT_EQ(fea::addHingeSprings(mesh_, springs, layout_.poses), 0);
+    EXPECT_EQ(fea::addHingeSprings(mesh_, layout_.bricks, springs, layout_.poses), 0);
   }
 
   /// The corner at (2, 1), through the thickness.
   const std::vector<int>& corner() const { return mesh_.tiles[1].edges[1]; }
 
-  /// A job with these loads besides the spring's.
-  JobEnd run(const std::string& step, const std::string& load) const {
+  /// A job with these loads besides the spring's. `isFlat` holds all nodes along z.
+  JobEnd run(const std::string& step, const std::string& load, bool isFlat = true) const {
     std::string moments = "*CLOAD\n";
     fea::PatchDeck(mesh_, fea::Solver::Calculix)
         .appendMoments(moments, fea::DeckUnit::Model);
@@ -78,7 +86,7 @@ class SpringHinge {
     std::string job = test::ownJob(
         test::setOf("HELD", leaders(mesh_, 0)) + test::setOf("FLAT", leaders(mesh_)) +
             test::setOf("DRIVEN", corner()),
-        "HELD, 1, 3\nFLAT, 3, 3\n", load + moments,
+        isFlat ? "HELD, 1, 3\nFLAT, 3, 3\n" : "HELD, 1, 3\n", load + moments,
         "DRIVEN, FREQUENCY=1000, TOTALS=ONLY\nRF\n*NODE PRINT, FREQUENCY=1000, NSET=DRIVEN");
     const std::string plain = "*STEP\n*STATIC\n";
     job.replace(job.find(plain), plain.size(), step);
@@ -103,6 +111,32 @@ TEST_F(CalculixJobs, SpringsTurnTilesByMomentOverStiffness) {
     const std::vector<Vector3> moved = displacements(end.data.substr(rows));
     ASSERT_FALSE(moved.empty());
     EXPECT_NEAR(moved[0].y() / (2e-3 / 5 + rest), 1, 1e-4);  // measured: 1 + 6.2e-6
+  }
+}
+
+// By hand: 0.5 N m turn a spring of 5 N m/rad by 0.1 and store 0.025 J.
+TEST_F(CalculixJobs, SpringsInAnyPlaneStoreTheSameEnergy) {
+  for (const Vector3& turn :
+       {Vector3(0, 0, 0), Vector3(0.5 * std::numbers::pi, 0, 0),
+        Vector3(0, -0.5 * std::numbers::pi, 0), Vector3(std::numbers::pi, 0, 0),
+        Vector3(0.3, -0.8, 1.7)}) {
+    for (const double rest : {0.0, 0.02}) {
+      const Quaternion rotation = rotationFromVector(turn);
+      const SpringHinge hinge(rest, rotation);
+      const Vector3 across = rotation * Vector3::UnitY();
+      std::string load = "*CLOAD\n";
+      for (int axis = 0; axis < 3; ++axis) {
+        load += fmt::format("{}, {}, {}\n", hinge.corner()[0] + 1, axis + 1,
+                            fea::deckNumber(0.5 * across[axis]));
+      }
+      const JobEnd end = hinge.run("*STEP\n*STATIC\n", load, false);
+      const std::size_t rows = end.data.rfind("displacements");
+      ASSERT_NE(rows, std::string::npos);
+      const std::vector<Vector3> moved = displacements(end.data.substr(rows));
+      ASSERT_FALSE(moved.empty());
+      const double angle = across.dot(moved[0]) - rest;
+      EXPECT_NEAR(0.5 * 0.5 * angle / 0.025, 1, 1e-4);  // measured: 1 + 1.2e-5
+    }
   }
 }
 
@@ -201,6 +235,22 @@ TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
   EXPECT_GT(found.moved[0].x(), 1e-3);
   EXPECT_NEAR(found.moved[1].y() / found.moved[0].x(), 1, 1e-6);
   EXPECT_LT(found.energy, 1e-6);  // J; measured: 6e-21
+}
+
+// The mechanism of parallelograms shears the sheet as it lengthens.
+TEST_F(CalculixJobs, PeriodicParallelogramsShearFreelyAsTheyAreStretched) {
+  generate::TessellationShape shape = test::squares(4, 3, 0.5);
+  shape.length = 1.2;
+  shape.width = 0.8;
+  shape.skew = 0.35;
+  const model::Model model = generate::makeTessellation(shape);
+  const Layout layout = test::layoutOf(model.tiles, model.joints);
+  const Strained found = runPeriodic(
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                           {.perEdge = 1, .through = 1, .quadratic = false}));
+  ASSERT_EQ(found.moved.size(), 2U);
+  EXPECT_GT(std::abs(found.moved[1].x()), 1e-4);
+  EXPECT_LT(found.energy, 1e-6);  // J; measured: 2e-22
 }
 
 TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {

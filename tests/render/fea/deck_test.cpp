@@ -58,6 +58,14 @@ TEST(Deck, NumbersFitAndReadBack) {
   }
   EXPECT_EQ(fea::deckNumber(0.1 + 0.2), "0.30000000000000004");
   EXPECT_EQ(fea::deckNumber(-1e-300), "0.");
+  // CalculiX reads a number without point and exponent as an integer.
+  for (const double value :
+       {0.0, 1.0, -2500.0, 1e15, 123456789012345.0, 1e16, 1e20, 7e-90, 2.0 / 3e-9}) {
+    const std::string text = fea::deckNumber(value);
+    EXPECT_LE(text.size(), 20U);
+    EXPECT_NE(text.find('.'), std::string::npos) << text;
+    EXPECT_NEAR(std::strtod(text.c_str(), nullptr), value, 1e-13 * std::abs(value)) << text;
+  }
 }
 
 TEST(Deck, KeepsTheLimitsOfItsReaders) {
@@ -255,7 +263,7 @@ TEST(Deck, WritesMillimetresToo) {
   EXPECT_LT((deck.nodes.at(1) - 1000 * mesh.nodes[0]).norm(), 1e-9);
   const fea::DeckJob parts = fea::staticJob(mesh, settings, kOrigin, "a_mesh.inp");
   const std::string job = parts.sets + parts.text;
-  EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000, 0.3\n*DENSITY\n1.2e-09\n"));
+  EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000.0, 0.3\n*DENSITY\n1.2e-09\n"));
   EXPECT_THAT(job, HasSubstr("mm, N, t, s, MPa"));
 }
 

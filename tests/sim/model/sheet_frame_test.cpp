@@ -1,6 +1,8 @@
 #include "sim/model/sheet_frame.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -137,6 +139,27 @@ TEST(SheetFrames, OutlinesInAnyPlaneHaveTheSameCorners) {
     ASSERT_TRUE(frame);
     const std::vector<model::Corner> turned = model::outlineCorners(model::toFrame(*frame, tiles));
     EXPECT_EQ(numbers(turned), numbers(outline));
+  }
+}
+
+// A rhombus has two smallest rectangles, mirror images of each other. The weight prefers one of its
+// sides, at any rotation.
+TEST(SheetFrames, WeightsChooseBetweenEqualRectangles) {
+  const double skew = 0.5;
+  for (const bool isFirst : {true, false}) {
+    for (double turn = -3; turn < 3; turn += 0.37) {
+      const auto at = [&](double angle) {
+        return Eigen::Vector2d(std::cos(turn + angle), std::sin(turn + angle));
+      };
+      const Eigen::Vector2d a = at(0), b = at(std::numbers::pi / 2 - skew);
+      const Eigen::Vector2d side = isFirst ? a : b;
+      const double angle = model::smallestRectangleAngle(
+          {-a - b, a - b, a + b, b - a}, 0,
+          [&](const Eigen::Vector2d& along) { return std::abs(along.dot(side)); });
+      // A side of the rectangle lies along it or across it. Measured: 2e-16.
+      EXPECT_NEAR(std::sin(4 * (std::atan2(side.y(), side.x()) - angle)), 0, 1e-12);
+      EXPECT_GT(std::cos(4 * (std::atan2(side.y(), side.x()) - angle)), 0);
+    }
   }
 }
 
