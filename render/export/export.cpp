@@ -25,6 +25,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -46,6 +47,7 @@
 #include "sim/formats/model_formats.h"
 #include "sim/formats/read_model.h"
 #include "sim/formats/text_table.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel::exports {
 namespace {
@@ -147,6 +149,22 @@ fea::ElementMesh stateMesh(const trajectory::Subject& subject, const Poses& pose
   // Springs that decks cannot have are left out; exportWarnings() reports them.
   fea::addHingeSprings(mesh, subject.bricks, brick::hingeSpringsOf(subject.pairForces), poses);
   return mesh;
+}
+
+/// The deepest overlap of two bricks that are not one part of the mesh, metres.
+double overlapIn(const trajectory::Subject& subject, const trajectory::Sample& sample) {
+  std::set<std::pair<int, int>> parts;
+  for (const model::Joint& joint : subject.model.joints) {
+    if (joint.kind == model::JointKind::Fixed) {
+      parts.insert(std::minmax(joint.a.tile, joint.b.tile));
+    }
+  }
+  if (parts.empty()) return sample.penetration;
+  for (const trajectory::Penetration& pair :
+       trajectory::penetrationsOutsidePivots(subject.bricks, {}, 0, sample.poses, 0)) {
+    if (!parts.contains({pair.brickA, pair.brickB})) return pair.depth;
+  }
+  return 0;
 }
 
 /// Whether a drive has its own mesh: the user chose no elements, and tiles on ideal hinges are
@@ -420,9 +438,12 @@ class Exporter {
 
   /// `sample` gives time and overlap; the label is the requested one.
   fea::DeckOrigin originOf(const std::string& label, const trajectory::Sample& sample) const {
-    return {subject_.model.name, label,
-            sample.time,         subject_.brickRule.thickness,
-            sample.penetration,  std::string("Kirireel ") + KIRIREEL_VERSION,
+    return {subject_.model.name,
+            label,
+            sample.time,
+            subject_.brickRule.thickness,
+            overlapIn(subject_, sample),
+            std::string("Kirireel ") + KIRIREEL_VERSION,
             runWords()};
   }
 
@@ -774,7 +795,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   }
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
-    const double overlap = trajectory.sample(state.sample).penetration;
+    const double overlap = overlapIn(trajectory.subject(), trajectory.sample(state.sample));
     if (!fea::isReportableOverlap(overlap, thickness)) continue;
     lines.push_back(
         fmt::format("warning: in state {} bricks overlap by {}, {:.0f}% of their thickness; "

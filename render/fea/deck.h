@@ -91,7 +91,8 @@ struct DeckOrigin {
   std::string state;     ///< as requested, such as "final"
   double time = 0;       ///< of the state, seconds
   double thickness = 0;  ///< of the bricks, metres
-  double overlap = 0;    ///< deepest overlap of two bricks in this state, metres
+  double overlap = 0;    ///< deepest overlap of two bricks in this state, metres; tiles that are
+                         ///< one part of the mesh do not count
   std::string writer;    ///< program name and version
   std::string run;       ///< identification of the run, one line
 };

@@ -104,7 +104,9 @@ TEST_F(Export, TakesTheOnlySampleForBothDefaults) {
   const std::vector<exports::ChosenState> chosen =
       exports::chooseStates(reader, exports::ExportSettings().states);
   EXPECT_EQ(chosen, (std::vector<exports::ChosenState>{{0, "initial"}}));
-  EXPECT_EQ(test::refusalOf([&] { exports::chooseStates(reader, {"initial", "0%"}); }),
+  EXPECT_EQ(test::refusalOf([&] {
+              exports::chooseStates(reader, {"initial", "0%"});
+            }),
             "error: states 'initial' and '0%' are both sample 0; remove one of them");
 }
 
@@ -272,6 +274,26 @@ TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
           {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.52, 1, 0}, {0.5, 0.4, 0}, {0.48, 1, 0}, {0, 1, 0}},
           8),
       ElementsAre());
+}
+
+// Two squares at 60 degrees: their bricks overlap next to the edge that makes them one part.
+TEST(ExportWarnings, DoNotCountOverlapsOfJoinedTiles) {
+  const double c = 0.5, s = std::sqrt(0.75);
+  std::vector<model::Tile> tiles = {
+      model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+      model::Tile{{{1, 0, 0}, {1 + c, 0, s}, {1 + c, 1, s}, {1, 1, 0}}}};
+  exports::ExportSettings settings;
+  settings.formats = {"inp"};
+  scene::Scene scene;
+  scene.brick.thickness = 0.1;
+  scene.model.tiles = tiles;
+  scene.model.joints = {model::makeFixedJoint(tiles, 0, 1)};
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
+  // A third tile lies half a thickness above the first.
+  for (Vector3& vertex : tiles[0].vertices) vertex -= Vector3(0.5, 0, -0.05);
+  scene.model.tiles.push_back(tiles[0]);
+  EXPECT_THAT(test::startWarnings(scene, settings),
+              ElementsAre(HasSubstr("bricks overlap by 0.05 m, 50% of their thickness")));
 }
 
 TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
