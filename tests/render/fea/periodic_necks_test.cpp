@@ -134,6 +134,24 @@ TEST_F(PeriodicNecks, GripsPullAlikeOnEveryMesh) {
   EXPECT_NEAR(aslant / straight, 1, 0.01);  // measured with 4 elements: 0.9999
 }
 
+// Rhombi have two smallest rectangles, and ends that are not opposite each other.
+TEST_F(PeriodicNecks, RhombiOpenAlikeInAnyRotation) {
+  generate::TessellationShape skewed = test::squares(3, 3, 0);
+  skewed.skew = 30 * kDegree;
+  for (const model::Model& model :
+       {generate::makeTessellation(skewed),
+        generate::makeRotatingTriangles({.columns = 3, .rows = 3}),
+        generate::makeHexagonsAndTriangles({.columns = 3, .rows = 3})}) {
+    fea::ElementRule rule = plane(0.1, 2);
+    rule.quadratic = false;
+    const double straight = openingOf(fea::makeNeckMesh(model, 0.02, rule));
+    for (const double degrees : {30.0, 137.0}) {
+      const double other = openingOf(fea::makeNeckMesh(turned(model, degrees), 0.02, rule));
+      EXPECT_NEAR(other / straight, 1, 0.01);  // measured: 1 to 1.006
+    }
+  }
+}
+
 TEST_F(PeriodicNecks, JoinedTilesArePulledAsOne) {
   const std::vector<model::Tile> tiles = {
       model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
