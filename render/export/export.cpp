@@ -783,10 +783,10 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
         "warning: these decks lack the run's springs at hinges, which need rigid patches; choose "
         "--joints patch");
   } else if (folds > 0) {
-    lines.push_back(
-        fmt::format("warning: these decks lack the run's springs at {} folds. Only hinges across "
-                    "the tiles have springs",
-                    folds));
+    lines.push_back(fmt::format(
+        "warning: these decks lack the run's springs at folds ({} of {}). Only hinges across the "
+        "tiles have springs",
+        folds, springs.size()));
   }
   if (!brick::ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
@@ -1041,7 +1041,7 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
 // one number for the whole mesh. It is computed with the chosen elements, d1, and with elements
 // half as long, d2. The reported change is 100 (d2 / d1 - 1) per cent. It is small for a
 // sufficiently fine mesh. With single-node joints the number grows without limit, which this check
-// reveals.
+// reveals. The job is that of the deck: moments of springs that are not at rest also move the ends.
 //
 // Half the length in the plane gives four times as many elements. The number through the thickness
 // stays, because the check is about bending.
@@ -1070,12 +1070,14 @@ double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
   return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text);
 }
 
-/// Metres per newton, in the model's unit with four digits, and the change in per cent.
-std::string lineOf(const std::string& name, double own, double finer, const LengthUnit& unit) {
+/// Metres, in the model's unit with four digits, and the change in per cent.
+std::string lineOf(const std::string& name, bool hasMoments, double own, double finer,
+                   const LengthUnit& unit) {
   return fmt::format(
-      "check: {}: 1 N at both ends moves them apart by {}, {} with elements half as "
+      "check: {}: 1 N at both ends {} them apart by {}, {} with elements half as "
       "long ({:+.2f}%)",
-      name, lengthText(own, unit, 4), lengthText(finer, unit, 4), 100 * (finer / own - 1));
+      name, hasMoments ? "and the moments of its springs move" : "moves", lengthText(own, unit, 4),
+      lengthText(finer, unit, 4), 100 * (finer / own - 1));
 }
 
 }  // namespace
@@ -1091,10 +1093,13 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
   std::vector<std::string> lines;
   // `meshBy` makes the mesh of a rule; called twice.
   const auto check = [&](const std::string& name, const auto& meshBy, int defaultCount) {
-    const double own = openingOf(meshBy(settings.elements), settings.decks, origin);
+    const fea::ElementMesh mesh = meshBy(settings.elements);
+    const bool hasMoments =
+        std::ranges::any_of(mesh.springs, [](auto& one) { return one.moment != 0; });
+    const double own = openingOf(mesh, settings.decks, origin);
     const double finer =
         openingOf(meshBy(halved(settings.elements, defaultCount)), settings.decks, origin);
-    lines.push_back(lineOf(name, own, finer, subject.model.unit));
+    lines.push_back(lineOf(name, hasMoments, own, finer, subject.model.unit));
   };
   if (settings.elements.joints == fea::JointStyle::Neck) {
     const auto meshBy = [&](const fea::ElementRule& rule) {

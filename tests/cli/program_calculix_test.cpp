@@ -192,6 +192,10 @@ TEST(ProgramCheck, RunsTheDeckWithItsSprings) {
       << end.out;
   EXPECT_NEAR(own, 0.03125, 1e-5);  // exact in the four digits printed
   EXPECT_NEAR(finer, 0.03125, 1e-5);
+  EXPECT_THAT(runKirireel({"export", out, "--format", "inp", "--states", "final", "--joints",
+                           "patch", "--check", "--elements-per-edge", "4", "--linear"})
+                  .out,
+              HasSubstr("1 N at both ends and the moments of its springs move them apart by"));
   const std::string job = test::outputOf("cd '" + out + "' && ccx -i state_initial_job");
   EXPECT_THAT(job, HasSubstr("Job finished"));
   EXPECT_THAT(job, Not(HasSubstr("ERROR")));

@@ -296,6 +296,33 @@ TEST(ExportWarnings, DoNotCountOverlapsOfJoinedTiles) {
               ElementsAre(HasSubstr("bricks overlap by 0.05 m, 50% of their thickness")));
 }
 
+TEST(ExportWarnings, TellOfSpringsAtFolds) {
+  const std::vector<model::Tile> tiles = {
+      model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+      model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  exports::ExportSettings settings;
+  settings.formats = {"inp"};
+  settings.elements.joints = fea::JointStyle::Patch;
+  scene::Scene scene;
+  scene.brick.thickness = 0.1;
+  scene.hinges.stiffness = 1;
+  scene.solver.planar = false;
+  scene.model.tiles = tiles;
+  const auto joined = [](int a, int b) {
+    return model::Joint{{0, a}, {1, b}, model::JointFace::Top};
+  };
+  scene.model.joints = {joined(1, 0), joined(2, 3)};
+  EXPECT_THAT(test::startWarnings(scene, settings),
+              ElementsAre("warning: these decks lack the run's springs at folds (1 of 1). Only "
+                          "hinges across the tiles have springs"));
+  // A hinge across the tiles, upright.
+  for (model::Tile& tile : scene.model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = {vertex.x(), 0, vertex.y()};
+  }
+  scene.model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both}};
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
+}
+
 TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   scene::Scene scene;
   scene.model = generate::makeTessellation(test::squares(2, 2, 0.5));
