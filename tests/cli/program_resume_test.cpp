@@ -115,7 +115,7 @@ TEST_F(ResumeOnTheWay, ContinuesFromTheLastCheckpoint) {
 
 TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
   endBy(SIGTERM, recordLongInto(out_));
-  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10", "--resume"}));
+  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--duration", "0.02", "--resume"}));
   EXPECT_EQ(end.err,
             "kirireel: the checkpoint in " + (out_ / ".unfinished/checkpoint").string() +
                 " is from another order or program version. The run starts from the beginning\n");
@@ -125,7 +125,7 @@ TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
 
 TEST_F(ResumeOnTheWay, OnlyWhenAsked) {
   endBy(SIGTERM, recordLongInto(out_));
-  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10"}));
+  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--duration", "0.02"}));
   EXPECT_EQ(end.err, "");
   EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }
