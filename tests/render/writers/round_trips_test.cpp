@@ -1,5 +1,4 @@
-// Every model of data/ through each format that can hold it, and 50 random ones through FOLD, OBJ,
-// folders and planar files. read_back_test.cpp has the families through drawings.
+// Every model of data/ and 50 random ones through each format that can hold them.
 //
 // Oracle: the model that was written. FOLD, OBJ and folders keep every bit, planar files all
 // distances, drawings all places. Mobility is computed again for each model that is read.
@@ -99,10 +98,11 @@ void expectPlanarFilesKeep(const model::Model& model, const std::string& name) {
       << name;
 }
 
-/// Through drawings, with hinges of the default width. The start is flat and horizontal.
-void expectDrawingsKeep(const model::Model& model, const std::string& name) {
+/// Through drawings. The start is flat and horizontal.
+void expectDrawingsKeep(const model::Model& model, const std::string& name,
+                        std::optional<double> hingeWidth) {
   const test::TemporaryFolder folder;
-  const auto lines = writers::cutPattern(model, std::nullopt);
+  const auto lines = writers::cutPattern(model, hingeWidth);
   folder.write("a.svg", writers::patternSvg(lines));
   folder.write("a.dxf", writers::patternDxf(lines));
   for (const char* file : {"a.svg", "a.dxf"}) {
@@ -112,6 +112,27 @@ void expectDrawingsKeep(const model::Model& model, const std::string& name) {
               freedomsOf(model, trajectory::Freedom::Plane))
         << name << file;
   }
+}
+
+/// The length of the shortest edge. Absent if edges of two tiles differ by less than 1e-4 of a tile
+/// but are not equal: a drawing has only one of them.
+std::optional<double> leastDrawnEdge(const model::Model& model) {
+  const double tile = model::tileSize(model);
+  std::vector<std::pair<Vector3, Vector3>> edges;
+  for (const model::Tile& one : model.tiles) {
+    for (std::size_t k = 0; k < one.vertices.size(); ++k) {
+      edges.emplace_back(one.vertices[k], one.vertices[(k + 1) % one.vertices.size()]);
+    }
+  }
+  double least = tile;
+  for (const auto& [from, to] : edges) {
+    least = std::min(least, (to - from).norm());
+    for (const auto& [otherFrom, otherTo] : edges) {
+      const double apart = std::max((from - otherTo).norm(), (to - otherFrom).norm());
+      if (apart > 1e-9 * tile && apart < 1e-4 * tile) return std::nullopt;
+    }
+  }
+  return least;
 }
 
 bool isHorizontal(const model::Model& model) {
@@ -132,7 +153,7 @@ TEST(RoundTrips, KeepTheModelsOfData) {
     ++count;
     if (!isHorizontal(model)) continue;
     expectPlanarFilesKeep(model, name);
-    expectDrawingsKeep(model, name);
+    expectDrawingsKeep(model, name, std::nullopt);
     ++planar;
   }
   EXPECT_GE(count, 27);
@@ -144,7 +165,9 @@ class RandomModels {
   /// A model of a random family with random parameters; absent if they do not fit each other.
   std::optional<model::Model> draw() {
     const std::vector<generate::Family>& families = generate::families();
-    const generate::Family& family = families[random_() % families.size()];
+    return draw(families[random_() % families.size()]);
+  }
+  std::optional<model::Model> draw(const generate::Family& family) {
     std::map<std::string, double> given;
     for (const generate::FamilyParameter& parameter : family.parameters) {
       // At most twice the default, so the sheets stay small.
@@ -186,7 +209,7 @@ class RandomModels {
 TEST(RoundTrips, KeepRandomModels) {
   RandomModels random;
   std::map<std::string, int> drawn;
-  int planar = 0;
+  int planar = 0, inDrawings = 0;
   for (int k = 0; k < 50;) {
     const std::optional<model::Model> model = random.draw();
     if (!model) continue;
@@ -196,9 +219,30 @@ TEST(RoundTrips, KeepRandomModels) {
     if (!isHorizontal(*model)) continue;
     expectPlanarFilesKeep(*model, name);
     ++planar;
+    const std::optional<double> edge = leastDrawnEdge(*model);
+    if (!edge) continue;
+    expectDrawingsKeep(*model, name, 0.1 * *edge);
+    ++inDrawings;
   }
   EXPECT_GE(drawn.size(), 15U);
   EXPECT_GE(planar, 25);
+  EXPECT_GE(inDrawings, 20);
+}
+
+// Starts of these are open, with gaps of any angle.
+TEST(RoundTrips, KeepRandomFansAndCrossesInDrawings) {
+  RandomModels random;
+  for (const char* family : {"fan", "crosses"}) {
+    int count = 0;
+    for (int k = 0; k < 30; ++k) {
+      const std::optional<model::Model> model = random.draw(generate::familyNamed(family));
+      const std::optional<double> edge = model ? leastDrawnEdge(*model) : std::nullopt;
+      if (!edge) continue;
+      expectDrawingsKeep(*model, fmt::format("{} {} ", family, k), 0.4 * *edge);
+      ++count;
+    }
+    EXPECT_GE(count, 5) << family;
+  }
 }
 
 }  // namespace
