@@ -174,7 +174,8 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
          elements.neck.width);
   length("--neck-length", "the model's, else the kerf", "length of necks, from tile to tile",
          elements.neck.length);
-  length("--neck-radius", "0", "radius of the fillets at the ends of necks", elements.neck.radius);
+  group.number("--neck-radius", elements.neck.radius, {0, 1e9}, "LENGTH",
+               "radius of the fillets at the ends of necks");
   length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
          elements.neck.kerf);
   // The element rule reports --shells and --plane-stress with joints that exclude both.

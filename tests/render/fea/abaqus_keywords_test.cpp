@@ -197,7 +197,7 @@ TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
   fea::ElementMesh patched =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
                                {.perEdge = 4, .joints = fea::JointStyle::Patch});
-  patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1}};
+  patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1, {0.6, 0, 0.8}}};
   checkAll(abaqus, patched, layout.poses);
   const fea::ElementMesh shared =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
