@@ -914,7 +914,8 @@ std::string numberText(double value, int decimals, int power) {
     text = fmt::format("{:.{}f}", size, std::max(0, decimals));
   } else if (size > 0) {
     const int own = powerOf(size);
-    text = fmt::format("{:.{}f}e{}", size / std::pow(10, own), std::max(0, decimals + own), own);
+    const int digits = std::max(0, decimals + own) + 1;
+    text = fmt::format("{:.{}g}e{}", size / std::pow(10, own), digits, own);
   }
   return value < 0 ? "\u2212" + text : text;
 }

@@ -21,9 +21,9 @@ TEST(Ticks, HaveExponentsWhereDecimalsAreTooMany) {
   EXPECT_THAT(picture::makeAxisWithin(0, 6.3e-6, 4).texts,
               ElementsAre("0", "2e-6", "4e-6", "6e-6"));
   EXPECT_THAT(picture::makeAxisWithin(-2e-9, 1.5e-8, 4).texts,
-              ElementsAre("0", "5e-9", "1.0e-8", "1.5e-8"));
+              ElementsAre("0", "5e-9", "1e-8", "1.5e-8"));
   EXPECT_THAT(picture::makeAxisWithin(0.9e-4, 1.12e-4, 3).texts,
-              ElementsAre("9e-5", "1.0e-4", "1.1e-4"));
+              ElementsAre("9e-5", "1e-4", "1.1e-4"));
   EXPECT_THAT(picture::makeAxisWithin(0, 4.1e6, 3).texts, ElementsAre("0", "2e6", "4e6"));
   EXPECT_THAT(picture::makeAxisWithin(0, 0.0041, 3).texts, ElementsAre("0.000", "0.002", "0.004"));
 }
