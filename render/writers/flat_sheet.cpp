@@ -129,7 +129,8 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 
 namespace {
 
-constexpr double kSameEdge = 1e-4;     ///< of the tile size, within which edges coincide
+constexpr double kSameEdge = 1e-4;     ///< of their length, within which edges coincide
+constexpr double kSameRounded = 4;     ///< last decimal places within which they do, too
 constexpr double kHingeOfTile = 0.05;  ///< default width of a hinge
 
 /// Shortening of edges at their ends relative to the model, metres.
@@ -150,7 +151,8 @@ class PatternMaker {
         unit_(model.unit),
         width_(hingeWidth),
         defaultWidth_(kHingeOfTile * model::tileSize(model)),
-        same_(kSameEdge * model::tileSize(model)) {
+        rounded_(kSameRounded * model.rounding),
+        same_(std::max(kSameEdge * model::tileSize(model), rounded_)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -180,10 +182,12 @@ class PatternMaker {
     if (gap.angle > kClosedAngle) lines_.push_back({PatternLayer::Cuts, ends[0], ends[1]});
   }
 
-  /// The coinciding edge of another tile, with opposite direction; found by its middle.
+  /// The coinciding edge of another tile, with opposite direction; found by its middle. Edges that
+  /// have opened by a small angle are two lines, however short they are.
   std::optional<std::pair<int, int>> twinOf(int tile, int edge) const {
     const Vector2 from = tiles_[tile][edge];
     const Vector2 to = tiles_[tile][after(tile, edge)];
+    const double same = std::clamp(kSameEdge * (to - from).norm(), rounded_, same_);
     const auto [column, row] = cellOf(0.5 * (from + to));
     for (long x = column - 1; x <= column + 1; ++x) {
       for (long y = row - 1; y <= row + 1; ++y) {
@@ -192,7 +196,7 @@ class PatternMaker {
           const auto [t, e] = found->second;
           if (t == tile) continue;
           const bool isSame =
-              (tiles_[t][e] - to).norm() < same_ && (tiles_[t][after(t, e)] - from).norm() < same_;
+              (tiles_[t][e] - to).norm() <= same && (tiles_[t][after(t, e)] - from).norm() <= same;
           if (isSame) return found->second;
         }
       }
@@ -246,7 +250,8 @@ class PatternMaker {
   std::optional<double> width_;  ///< of all hinges
   double defaultWidth_;          ///< of joints without a neck
   double widest_ = 0;            ///< of all hinges so far
-  double same_;                  ///< metres within which points coincide
+  double rounded_;               ///< metres within which rounded points coincide
+  double same_;                  ///< metres within which ends of the longest edges coincide
   Trims trims_;
   std::multimap<std::pair<long, long>, std::pair<int, int>> edges_;  ///< by their middles
   std::vector<PatternLine> lines_;

@@ -102,8 +102,7 @@ TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   const Simulated space = simulateScene("nonrigid", "nonrigid.toml");
   EXPECT_EQ(space.summary["outcome"], "settled");
   EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);  // measured 2e-12
-  // Measured 1.3e-3 between samples. It was 3.8e-4 with the start turned onto the target: the
-  // perturbation out of the plane has another direction.
+  // Between samples. Measured 1.3e-3, with other seeds and rotated 3e-4 to 6e-4.
   EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 2e-3);
   double largest = 0;
   for (const trajectory::Sample& sample : space.run.samples)

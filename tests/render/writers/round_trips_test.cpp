@@ -114,8 +114,8 @@ void expectDrawingsKeep(const model::Model& model, const std::string& name,
   }
 }
 
-/// The length of the shortest edge. Absent if edges of two tiles differ by less than 1e-4 of a tile
-/// but are not equal: a drawing has only one of them.
+/// The length of the shortest edge. Absent if edges of two tiles differ by less than 1e-4 of their
+/// length but are not equal: a drawing has only one of them.
 std::optional<double> leastDrawnEdge(const model::Model& model) {
   const double tile = model::tileSize(model);
   std::vector<std::pair<Vector3, Vector3>> edges;
@@ -129,7 +129,7 @@ std::optional<double> leastDrawnEdge(const model::Model& model) {
     least = std::min(least, (to - from).norm());
     for (const auto& [otherFrom, otherTo] : edges) {
       const double apart = std::max((from - otherTo).norm(), (to - otherFrom).norm());
-      if (apart > 1e-9 * tile && apart < 1e-4 * tile) return std::nullopt;
+      if (apart > 1e-9 * tile && apart < 1e-4 * (to - from).norm()) return std::nullopt;
     }
   }
   return least;
