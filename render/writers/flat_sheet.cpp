@@ -129,7 +129,6 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 
 namespace {
 
-constexpr double kSameEdge = 1e-4;     ///< of their length, within which edges coincide
 constexpr double kSameRounded = 4;     ///< last decimal places within which they do, too
 constexpr double kHingeOfTile = 0.05;  ///< default width of a hinge
 
@@ -152,7 +151,7 @@ class PatternMaker {
         width_(hingeWidth),
         defaultWidth_(kHingeOfTile * model::tileSize(model)),
         rounded_(kSameRounded * model.rounding),
-        same_(std::max(kSameEdge * model::tileSize(model), rounded_)) {
+        same_(std::max(kClosedAngle * model::tileSize(model), rounded_)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -183,11 +182,11 @@ class PatternMaker {
   }
 
   /// The coinciding edge of another tile, with opposite direction; found by its middle. Edges that
-  /// have opened by a small angle are two lines, however short they are.
+  /// have opened by more than kClosedAngle are two lines, however short they are.
   std::optional<std::pair<int, int>> twinOf(int tile, int edge) const {
     const Vector2 from = tiles_[tile][edge];
     const Vector2 to = tiles_[tile][after(tile, edge)];
-    const double same = std::clamp(kSameEdge * (to - from).norm(), rounded_, same_);
+    const double same = std::clamp(kClosedAngle * (to - from).norm(), rounded_, same_);
     const auto [column, row] = cellOf(0.5 * (from + to));
     for (long x = column - 1; x <= column + 1; ++x) {
       for (long y = row - 1; y <= row + 1; ++y) {

@@ -12,6 +12,7 @@
 #include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
 #include "sim/formats/read_model.h"
+#include "sim/formats/written_digits.h"
 #include "sim/generate/families.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/trajectory/sheet.h"
@@ -114,8 +115,8 @@ void expectDrawingsKeep(const model::Model& model, const std::string& name,
   }
 }
 
-/// The length of the shortest edge. Absent if edges of two tiles differ by less than 1e-4 of their
-/// length but are not equal: a drawing has only one of them.
+/// The length of the shortest edge. Absent if edges of two tiles differ by less than a millionth of
+/// the sheet but are not equal: readers take them for one.
 std::optional<double> leastDrawnEdge(const model::Model& model) {
   const double tile = model::tileSize(model);
   std::vector<std::pair<Vector3, Vector3>> edges;
@@ -129,7 +130,8 @@ std::optional<double> leastDrawnEdge(const model::Model& model) {
     least = std::min(least, (to - from).norm());
     for (const auto& [otherFrom, otherTo] : edges) {
       const double apart = std::max((from - otherTo).norm(), (to - otherFrom).norm());
-      if (apart > 1e-9 * tile && apart < 1e-4 * (to - from).norm()) return std::nullopt;
+      if (apart > 1e-9 * tile && apart < formats::kSamePlace * model::modelSize(model))
+        return std::nullopt;
     }
   }
   return least;
