@@ -267,27 +267,45 @@ class PatternReader {
     sides_.push_back({to, from, number, -1, -1, true});
   }
 
-  /// Step 3: the tile is on the left. The drawn direction counts for sides along other cuts.
+  /// Step 3: the tile is on the left. The drawn direction counts for sides along other cuts. Rays
+  /// are along x or y, whichever is farther from the cut's direction. Cuts sorted by their low ends
+  /// limit the search to those that a ray may meet.
   void orientCuts() {
     std::vector<DirectedSide*> cuts;
     for (DirectedSide& side : sides_) {
       if (side.twin < 0) cuts.push_back(&side);
     }
     std::vector<DirectedSide*> reversed;
-    for (DirectedSide* cut : cuts) {
-      const Vector2 along = alongOf(*cut).normalized();
-      const Vector2 middle = 0.5 * (points_[cut->from] + points_[cut->to]);
-      int crossings = 0;
-      bool isShared = false;
-      for (const DirectedSide* other : cuts) {
-        const Vector2 a = points_[other->from] - middle, b = points_[other->to] - middle;
-        const double first = a.dot(along), last = b.dot(along);
-        if (other == cut || (first > 0) == (last > 0)) continue;
-        const double height = crossOf(along, a + first / (first - last) * (b - a));
-        isShared |= std::abs(height) <= tolerance_;
-        crossings += height > 0 ? 1 : 0;
+    for (const int ray : {0, 1}) {
+      const int across = 1 - ray;
+      const auto lowEnd = [&](const DirectedSide* cut) {
+        return std::min(points_[cut->from][across], points_[cut->to][across]);
+      };
+      std::ranges::sort(cuts, {}, lowEnd);
+      double longest = 0;
+      for (const DirectedSide* cut : cuts) {
+        longest = std::max(longest, std::abs(alongOf(*cut)[across]));
       }
-      if (!isShared && crossings % 2 == 0) reversed.push_back(cut);
+      for (DirectedSide* cut : cuts) {
+        const Vector2 along = alongOf(*cut);
+        const bool isSteep = std::abs(along.y()) > std::abs(along.x());
+        if (isSteep != (ray == 0)) continue;
+        const Vector2 middle = 0.5 * (points_[cut->from] + points_[cut->to]);
+        int crossings = 0;
+        bool isShared = false;
+        for (auto at = std::ranges::lower_bound(cuts, middle[across] - longest, {}, lowEnd);
+             at != cuts.end() && lowEnd(*at) <= middle[across]; ++at) {
+          const Vector2 a = points_[(*at)->from] - middle, b = points_[(*at)->to] - middle;
+          const double first = a[across], last = b[across];
+          if (*at == cut || (first > 0) == (last > 0)) continue;
+          const double ahead = a[ray] + first / (first - last) * (b - a)[ray];
+          isShared |= std::abs(ahead) <= tolerance_;
+          crossings += ahead > 0 ? 1 : 0;
+        }
+        // An odd number of crossings: the tile is on the side of the ray.
+        const bool isRayOnLeft = ray == 0 ? along.y() < 0 : along.x() > 0;
+        if (!isShared && (crossings % 2 == 1) != isRayOnLeft) reversed.push_back(cut);
+      }
     }
     for (DirectedSide* cut : reversed) std::swap(cut->from, cut->to);
   }

@@ -110,13 +110,14 @@ double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain,
     double angle = along - kQuarter * std::round(along / kQuarter);
     if (angle < -kQuarter / 2 + kSameRectangle) angle += kQuarter;
     const double area = rectangleSides(outline, angle).prod();
-    const double own = weightAt(angle);
     const bool isEqual = std::abs(area - least) <= kSameRectangle * least;
+    if (!isEqual && area > least) continue;
+    const double own = weightAt(angle);
     const bool isAsHeavy = std::abs(own - most) <= kSameRectangle * most;
     const double more = std::abs(angle) - std::abs(best);
     const bool turnsLess =
         more < -kSameRectangle || (more < kSameRectangle && best != 0 && angle > best);
-    if (!isEqual ? area > least : isAsHeavy ? !turnsLess : own < most) continue;
+    if (isEqual && (isAsHeavy ? !turnsLess : own < most)) continue;
     best = angle;
     least = area;
     most = own;
