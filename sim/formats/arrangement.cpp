@@ -97,11 +97,12 @@ Arrangement::Arrangement(const std::vector<PlaneSegment>& segments, double toler
       last = node;
     }
   }
+  nodes_ = numbers_.points();
   connect();
 }
 
 void Arrangement::connect() {
-  leaving_.assign(numbers_.count(), {});
+  leaving_.assign(nodes_.size(), {});
   for (int half = 0; half < 2 * static_cast<int>(edges_.size()); ++half) {
     leaving_[from(half)].push_back(half);
   }
@@ -165,14 +166,26 @@ std::vector<int> Arrangement::parts() const {
   return part;
 }
 
+namespace {
+
+/// Whether the ray from the point along x crosses the segment from a to b.
+bool crossesRay(const Vector2& a, const Vector2& b, const Vector2& point) {
+  if ((a.y() > point.y()) == (b.y() > point.y())) return false;
+  return point.x() < a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+}
+
+}  // namespace
+
+bool isWithin(const std::vector<PlaneSegment>& lines, const Vector2& point) {
+  bool isInside = false;
+  for (const auto& [a, b] : lines) isInside = isInside != crossesRay(a, b, point);
+  return isInside;
+}
+
 bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point) {
   bool isInside = false;
   for (std::size_t k = 0; k < ring.size(); ++k) {
-    const Vector2& a = ring[k];
-    const Vector2& b = ring[(k + 1) % ring.size()];
-    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-    isInside = isInside != (point.x() < x);
+    isInside = isInside != crossesRay(ring[k], ring[(k + 1) % ring.size()], point);
   }
   return isInside;
 }

@@ -52,10 +52,16 @@ void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, 
 /// the half edges 2 e, from first to second, and 2 e + 1, in reverse.
 class Arrangement {
  public:
+  Arrangement() = default;
   /// The cost is a sort, and a test of each pair of segments with overlapping boxes.
   Arrangement(const std::vector<PlaneSegment>& segments, double tolerance);
+  /// Edges between numbered nodes that meet only at nodes, none twice. There is no nodeAt().
+  Arrangement(std::vector<Vector2> nodes, std::vector<std::pair<int, int>> edges)
+      : nodes_(std::move(nodes)), edges_(std::move(edges)) {
+    connect();
+  }
 
-  const std::vector<Vector2>& nodes() const { return numbers_.points(); }
+  const std::vector<Vector2>& nodes() const { return nodes_; }
   const std::vector<std::pair<int, int>>& edges() const { return edges_; }
   /// The node at a position; absent if there is none.
   std::optional<int> nodeAt(const Vector2& place) const { return numbers_.find(place); }
@@ -63,7 +69,7 @@ class Arrangement {
   const std::vector<int>& leaving(int node) const { return leaving_[node]; }
   int from(int half) const { return half % 2 ? edges_[half / 2].second : edges_[half / 2].first; }
   int to(int half) const { return from(half ^ 1); }
-  const Vector2& at(int node) const { return numbers_[node]; }
+  const Vector2& at(int node) const { return nodes_[node]; }
 
   /// Drops edges with the same face on both sides: open ends and bridges.
   void dropBridges();
@@ -81,14 +87,18 @@ class Arrangement {
  private:
   void connect();
 
-  PointNumbers numbers_;
+  PointNumbers numbers_{1, Vector2::Zero()};
+  std::vector<Vector2> nodes_;
   std::vector<std::pair<int, int>> edges_;
   std::vector<std::vector<int>> leaving_;
   std::vector<std::vector<int>> cycles_;
   std::vector<int> cycleOf_;
 };
 
-/// Whether the point is within a closed polygon, by the crossings of a ray along x.
+/// Whether a point is within closed lines: a ray along x crosses them an odd number of times.
+bool isWithin(const std::vector<PlaneSegment>& lines, const Vector2& point);
+
+/// The same for one closed polygon.
 bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point);
 
 /// The area of a closed polygon, > 0 if anticlockwise.

@@ -4,17 +4,10 @@
 // directions, and the two cancel. The rest is the outline: one closed polygon if each of its
 // vertices has one edge in and one out.
 //
-// Faces of a drawing. Each edge is two half-edges. At each vertex the outgoing half-edges are
-// sorted by angle. After the half-edge u -> v, the face on its left continues with the half-edge
-// that follows v -> u clockwise at v. A traversal until the first half-edge returns gives one face.
-// Its area is positive, except for the outside of each connected part of the drawing. Each
-// half-edge is visited once, so all faces cost O(n log n) for n edges.
+// Faces of a drawing are the cycles of positive area of the planar graph (arrangement.cpp).
 //
 // Sheet and holes. A region next to the outside is sheet. From there on, a boundary edge (B)
 // separates sheet and hole, and any other edge has the same on both sides.
-//
-// D. E. Muller, F. P. Preparata, Finding the intersection of two convex polyhedra, Theoretical
-// Computer Science 7, 1978 (half-edges).
 #include "sim/formats/faces.h"
 
 #include <algorithm>
@@ -28,6 +21,7 @@
 
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
+#include "sim/formats/arrangement.h"
 #include "sim/formats/written_digits.h"
 
 namespace kirireel::formats {
@@ -145,31 +139,25 @@ FacePairs coplanarFaces(const CornerNumbers& faces,
 
 namespace {
 
-using Point = Eigen::Vector2d;
-
-double crossOf(const Point& a, const Point& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// The drawing as half-edges: 2 k runs along edge k, 2 k + 1 back.
-class PlanarGraph {
+/// The drawing as a planar graph, without crossings.
+class PlanarDrawing {
  public:
-  PlanarGraph(const std::vector<Vector3>& points, const std::vector<model::Crease>& edges,
-              const std::filesystem::path& file)
+  PlanarDrawing(const std::vector<Vector3>& points, const std::vector<model::Crease>& edges,
+                const std::filesystem::path& file)
       : file_(file) {
     project(points);
-    vertex_ = numbersByPlace(points);
-    addEdges(edges);
+    addEdges(edges, numbersByPlace(points));
     requireNoCrossing();
-    linkHalfEdges();
-    walkFaces();
+    graph_ = Arrangement(places_, ends_);
     findSheet();
   }
 
   CornerNumbers faces() const {
     CornerNumbers sheet;
-    for (std::size_t k = 0; k < walks_.size(); ++k) {
-      if (isSheet_[k]) sheet.push_back(cornersOf(walks_[k]));
+    for (std::size_t k = 0; k < isSheet_.size(); ++k) {
+      if (!isSheet_[k]) continue;
+      std::vector<int>& corners = sheet.emplace_back();
+      for (const int half : graph_.cycles()[k]) corners.push_back(graph_.from(half));
     }
     if (sheet.empty()) {
       throw fault(
@@ -206,125 +194,85 @@ class PlanarGraph {
     }
   }
 
-  void addEdges(const std::vector<model::Crease>& edges) {
+  void addEdges(const std::vector<model::Crease>& edges, const std::vector<int>& vertex) {
     std::set<std::pair<int, int>> known;
     for (std::size_t k = 0; k < edges.size(); ++k) {
-      const int from = vertex_[edges[k].from], to = vertex_[edges[k].to];
+      const int from = vertex[edges[k].from], to = vertex[edges[k].to];
       // An edge that was drawn twice counts once.
       if (from == to || !known.insert(std::minmax(from, to)).second) continue;
-      tails_.push_back(from);
-      tails_.push_back(to);
+      ends_.emplace_back(from, to);
       edgeNumber_.push_back(k);
       isBoundary_.push_back(edges[k].assignment == 'B');
     }
   }
 
-  int tail(int half) const { return tails_[half]; }
-  int head(int half) const { return tails_[half ^ 1]; }
   double tolerance() const { return 1e-9 * size_; }
 
-  // Edges sorted by their left ends, each compared with those that begin before it ends.
   void requireNoCrossing() const {
-    std::vector<int> order = numbersBelow(edgeNumber_.size());
-    const auto left = [&](int e) {
-      return std::min(places_[tail(2 * e)].x(), places_[head(2 * e)].x());
-    };
-    const auto right = [&](int e) {
-      return std::max(places_[tail(2 * e)].x(), places_[head(2 * e)].x());
-    };
-    std::ranges::stable_sort(order, {}, left);
-    for (std::size_t a = 0; a < order.size(); ++a) {
-      for (std::size_t b = a + 1; b < order.size(); ++b) {
-        if (left(order[b]) > right(order[a])) break;
-        requireApart(order[a], order[b]);
-      }
-    }
+    std::vector<PlaneSegment> segments;
+    for (const auto& [from, to] : ends_) segments.emplace_back(places_[from], places_[to]);
+    // The lowest pair, which does not depend on the directions of the axes.
+    std::optional<std::pair<std::size_t, std::size_t>> first;
+    bool isCrossing = false;
+    visitNearSegments(segments, 2 * tolerance(), [&](int a, int b) {
+      const bool cross = parts(a, b) && parts(b, a);
+      if (!cross && !touches(a, b) && !touches(b, a)) return;
+      const std::pair<std::size_t, std::size_t> pair = std::minmax(edgeNumber_[a], edgeNumber_[b]);
+      if (first && *first <= pair) return;
+      first = pair;
+      isCrossing = cross;
+    });
+    if (!first) return;
+    throw fault(
+        fmt::format("edges {} and {} {} without a common vertex, and faces_vertices is missing. "
+                    "Split the edges at a common vertex",
+                    first->first, first->second, isCrossing ? "cross" : "touch"));
   }
 
   /// The distance of a point to the line of an edge, and its position along the edge, [0, 1].
   std::pair<double, double> alongEdge(int point, int edge) const {
-    const Point origin = places_[tail(2 * edge)], along = places_[head(2 * edge)] - origin;
-    const Point offset = places_[point] - origin;
+    const Vector2 origin = places_[ends_[edge].first];
+    const Vector2 along = places_[ends_[edge].second] - origin, offset = places_[point] - origin;
     return {crossOf(along, offset) / along.norm(), along.dot(offset) / along.squaredNorm()};
   }
 
-  void requireApart(int a, int b) const {
-    const std::array<int, 2> endsA = {tail(2 * a), head(2 * a)}, endsB = {tail(2 * b), head(2 * b)};
-    const auto [lowA, highA] = std::minmax(places_[endsA[0]].y(), places_[endsA[1]].y());
-    const auto [lowB, highB] = std::minmax(places_[endsB[0]].y(), places_[endsB[1]].y());
-    if (lowA > highB + tolerance() || lowB > highA + tolerance()) return;
-    // An end of one within the other.
-    const auto touches = [&](int point, int edge, const std::array<int, 2>& ends) {
-      const auto [distance, share] = alongEdge(point, edge);
-      const bool isOwn = point == ends[0] || point == ends[1];
+  /// Whether an end of one edge lies within the other.
+  bool touches(int one, int other) const {
+    const auto [first, second] = ends_[other];
+    return std::ranges::any_of(std::array{ends_[one].first, ends_[one].second}, [&](int point) {
+      const auto [distance, share] = alongEdge(point, other);
+      const bool isOwn = point == first || point == second;
       return !isOwn && std::abs(distance) <= tolerance() && share > 0 && share < 1;
-    };
-    const auto parts = [&](const std::array<int, 2>& points, int edge) {
-      const double first = alongEdge(points[0], edge).first,
-                   second = alongEdge(points[1], edge).first;
-      return std::min(first, second) < -tolerance() && std::max(first, second) > tolerance();
-    };
-    const bool cross = parts(endsA, b) && parts(endsB, a);
-    if (!cross && !touches(endsA[0], b, endsB) && !touches(endsA[1], b, endsB) &&
-        !touches(endsB[0], a, endsA) && !touches(endsB[1], a, endsA)) {
-      return;
-    }
-    throw fault(
-        fmt::format("edges {} and {} {} without a common vertex, and faces_vertices is missing. "
-                    "Split the edges at a common vertex",
-                    std::min(edgeNumber_[a], edgeNumber_[b]),
-                    std::max(edgeNumber_[a], edgeNumber_[b]), cross ? "cross" : "touch"));
+    });
   }
 
-  // The next half-edge round the face on the left.
-  void linkHalfEdges() {
-    std::map<int, std::vector<int>> outgoing;
-    for (int half = 0; half < std::ssize(tails_); ++half) outgoing[tail(half)].push_back(half);
-    next_.resize(tails_.size());
-    for (auto& [vertex, halves] : outgoing) {
-      std::ranges::stable_sort(halves, {}, [&](int half) {
-        const Point along = places_[head(half)] - places_[tail(half)];
-        return std::atan2(along.y(), along.x());
-      });
-      // The half-edge opposite to half-edge k is followed by the one before k.
-      for (std::size_t k = 0; k < halves.size(); ++k) {
-        next_[halves[k] ^ 1] = halves[(k + halves.size() - 1) % halves.size()];
-      }
-    }
-  }
-
-  void walkFaces() {
-    walkOf_.assign(tails_.size(), -1);
-    for (int first = 0; first < std::ssize(tails_); ++first) {
-      if (walkOf_[first] >= 0) continue;
-      std::vector<int>& walk = walks_.emplace_back();
-      double area = 0;
-      const Point origin = places_[tail(first)];
-      for (int half = first; walkOf_[half] < 0; half = next_[half]) {
-        walkOf_[half] = static_cast<int>(walks_.size()) - 1;
-        walk.push_back(half);
-        area += crossOf(places_[tail(half)] - origin, places_[head(half)] - origin) / 2;
-      }
-      isOutside_.push_back(area <= tolerance() * size_);
-    }
+  /// Whether the line of an edge has the ends of another one on different sides.
+  bool parts(int edge, int other) const {
+    const auto [low, high] = std::minmax(
+        {alongEdge(ends_[other].first, edge).first, alongEdge(ends_[other].second, edge).first});
+    return low < -tolerance() && high > tolerance();
   }
 
   // Breadth first from the outside of all parts of the drawing.
   void findSheet() {
-    std::vector<std::optional<bool>> isSheet(walks_.size());
+    const int count = static_cast<int>(graph_.cycles().size());
+    for (int cycle = 0; cycle < count; ++cycle) {
+      isOutside_.push_back(graph_.areaOf(cycle) <= tolerance() * size_);
+    }
+    std::vector<std::optional<bool>> isSheet(count);
     std::vector<int> waiting;
-    const auto set = [&](int walk, bool value) {
-      if (isSheet[walk] || isOutside_[walk]) return;
-      isSheet[walk] = value;
-      waiting.push_back(walk);
+    const auto set = [&](int cycle, bool value) {
+      if (isSheet[cycle] || isOutside_[cycle]) return;
+      isSheet[cycle] = value;
+      waiting.push_back(cycle);
     };
-    for (int half = 0; half < std::ssize(tails_); ++half) {
-      if (isOutside_[walkOf_[half]]) set(walkOf_[half ^ 1], true);
+    for (int half = 0; half < 2 * std::ssize(ends_); ++half) {
+      if (isOutside_[graph_.cycleOf(half)]) set(graph_.cycleOf(half ^ 1), true);
     }
     for (std::size_t k = 0; k < waiting.size(); ++k) {
-      const int walk = waiting[k];
-      for (const int half : walks_[walk]) {
-        set(walkOf_[half ^ 1], *isSheet[walk] != isBoundary_[half / 2]);
+      const int cycle = waiting[k];
+      for (const int half : graph_.cycles()[cycle]) {
+        set(graph_.cycleOf(half ^ 1), *isSheet[cycle] != isBoundary_[half / 2]);
       }
     }
     for (const std::optional<bool>& value : isSheet) isSheet_.push_back(value.value_or(false));
@@ -334,67 +282,49 @@ class PlanarGraph {
 
   // Boundary edges have the sheet on one side.
   void requireBoundariesAround() const {
-    for (int half = 0; half < std::ssize(tails_); half += 2) {
-      const int left = walkOf_[half], right = walkOf_[half ^ 1];
+    for (int edge = 0; edge < std::ssize(ends_); ++edge) {
+      const int left = graph_.cycleOf(2 * edge), right = graph_.cycleOf(2 * edge + 1);
       if (left == right || isOutside_[left] || isOutside_[right]) continue;
       const bool isBorder = isSheet_[left] != isSheet_[right];
-      if (isBorder == isBoundary_[half / 2]) continue;
+      if (isBorder == isBoundary_[edge]) continue;
       throw fault(
           fmt::format("boundary edges (B) near vertex {} have the sheet on both sides. Give "
                       "cuts the letter C, or add faces_vertices",
-                      tail(half)));
+                      ends_[edge].first));
     }
   }
 
   // A part of the drawing that lies in a face of another part makes a hole in it.
   void requireNoIslands() const {
-    DisjointSets part(places_.size());
-    for (int half = 0; half < std::ssize(tails_); half += 2) part.unite(tail(half), head(half));
-    std::map<int, int> faceOfPart;
-    for (int walk = 0; walk < std::ssize(walks_); ++walk) {
-      if (isSheet_[walk]) faceOfPart.emplace(part.lowestOf(tail(walks_[walk].front())), walk);
+    const std::vector<int> parts = graph_.parts();
+    const auto firstOf = [&](int cycle) { return graph_.from(graph_.cycles()[cycle].front()); };
+    std::map<int, int> insideOf;  // a vertex of each part
+    for (int cycle = 0; cycle < std::ssize(isSheet_); ++cycle) {
+      if (isSheet_[cycle]) insideOf.emplace(parts[firstOf(cycle)], firstOf(cycle));
     }
-    if (faceOfPart.size() < 2) return;
-    for (const auto& [own, walk] : faceOfPart) {
-      for (int face = 0; face < std::ssize(walks_); ++face) {
-        const bool isOther = isSheet_[face] && part.lowestOf(tail(walks_[face].front())) != own;
-        if (!isOther || !holds(face, places_[own])) continue;
+    if (insideOf.size() < 2) return;
+    for (int face = 0; face < std::ssize(isSheet_); ++face) {
+      if (!isSheet_[face]) continue;
+      std::vector<Vector2> ring;
+      for (const int half : graph_.cycles()[face]) ring.push_back(places_[graph_.from(half)]);
+      for (const auto& [part, vertex] : insideOf) {
+        if (part == parts[firstOf(face)] || !isWithinRing(ring, places_[vertex])) continue;
         throw fault(
             fmt::format("the face at vertex {} has a separate drawing inside, at vertex {}. Tiles "
                         "cannot have holes. Connect the two by an edge, or add faces_vertices",
-                        tail(walks_[face].front()), own));
+                        firstOf(face), vertex));
       }
     }
   }
 
-  // Even-odd rule.
-  bool holds(int walk, const Point& point) const {
-    bool isInside = false;
-    for (const int half : walks_[walk]) {
-      const Point a = places_[tail(half)] - point, b = places_[head(half)] - point;
-      if ((a.y() > 0) == (b.y() > 0)) continue;
-      if ((crossOf(a, b) > 0) == (b.y() > a.y())) isInside = !isInside;
-    }
-    return isInside;
-  }
-
-  std::vector<int> cornersOf(const std::vector<int>& walk) const {
-    std::vector<int> corners;
-    for (const int half : walk) corners.push_back(tail(half));
-    return corners;
-  }
-
   std::filesystem::path file_;
   double size_ = 0;
-  std::vector<Point> places_;
-  std::vector<int> vertex_;                // the lowest vertex in the same place
-  std::vector<int> tails_;                 // of half-edges
+  std::vector<Vector2> places_;
+  std::vector<std::pair<int, int>> ends_;  // of edges: the lowest vertices in their places
   std::vector<std::size_t> edgeNumber_;    // in the file
   std::vector<bool> isBoundary_;           // of edges
-  std::vector<int> next_;                  // of half-edges
-  CornerNumbers walks_;                    // half-edges round each region
-  std::vector<int> walkOf_;                // of half-edges
-  std::vector<bool> isOutside_, isSheet_;  // of traversals
+  Arrangement graph_;
+  std::vector<bool> isOutside_, isSheet_;  // of cycles
 };
 
 }  // namespace
@@ -419,7 +349,7 @@ std::vector<int> numbersByPlace(const std::vector<Vector3>& points) {
 CornerNumbers planarFaces(const std::vector<Vector3>& points,
                           const std::vector<model::Crease>& edges,
                           const std::filesystem::path& file) {
-  return PlanarGraph(points, edges, file).faces();
+  return PlanarDrawing(points, edges, file).faces();
 }
 
 }  // namespace kirireel::formats

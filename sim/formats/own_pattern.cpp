@@ -24,6 +24,8 @@
 // fewer digits they are 2, 4 and 6 units of the last digit. The direction of a line of length L has
 // the tolerance of points / L. A distance d beyond its end, the line is off by d / L as much as its
 // ends.
+#include "sim/formats/own_pattern.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,7 +36,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/formats/cut_pattern.h"
+#include "sim/formats/arrangement.h"
 #include "sim/formats/tile_checks.h"
 
 namespace kirireel::formats {

@@ -15,6 +15,8 @@
 //
 // At junctions of slots, centre lines end half a kerf before each other. sheetOfCuts() extends all
 // ends and finds no material in between.
+#include "sim/formats/slot_lines.h"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -23,7 +25,6 @@
 #include <geos_c.h>
 
 #include "sim/base/error.h"
-#include "sim/formats/cut_pattern.h"
 
 namespace kirireel::formats {
 namespace {

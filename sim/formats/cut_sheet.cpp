@@ -1,0 +1,519 @@
+// Finds the tiles and joints of a sheet.
+//
+// 1. *Rays*: each open end of a cut is extended straight (cut_rays.cpp).
+// 2. *Necks* are the rays up to a maximum width.
+// 3. *Tiles* are the faces between lines and necks. A face without a neck is not a tile: it falls
+//    out, or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
+// 4. *Joints* are at the far ends of the necks, the vertices of the design.
+#include "sim/formats/cut_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/formats/cut_rays.h"
+
+namespace kirireel::formats {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An end of a cut beyond a line is inaccurate drawing up to this fraction of a tile.
+constexpr double kStub = 0.25;
+
+/// The lines with all rays up to their stops.
+Arrangement extended(std::vector<PlaneSegment> lines, const std::vector<CutRay>& rays,
+                     double tolerance) {
+  for (const CutRay& ray : rays) {
+    if (ray.stop < kNever) lines.emplace_back(ray.from, ray.stopPlace);
+  }
+  return {lines, tolerance};
+}
+
+/// The mean size of the faces if all rays are necks, metres.
+double tileScale(const Arrangement& whole) {
+  double area = 0;
+  int count = 0;
+  for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+    if (whole.areaOf(c) <= 0) continue;
+    area += whole.areaOf(c);
+    ++count;
+  }
+  return count == 0 ? 0 : std::sqrt(area / count);
+}
+
+class SheetMaker {
+ public:
+  SheetMaker(const CutLines& cuts, const Drawing& drawing, const ReadSettings& settings,
+             double tolerance, const fs::path& file)
+      : cuts_(cuts),
+        drawing_(drawing),
+        settings_(settings),
+        tolerance_(tolerance),
+        file_(file),
+        leftOut_(cuts.leftOut) {}
+
+  CutSheet make() {
+    const Arrangement lines(cuts_.lines, tolerance_);
+    // Pieces of a curve that an editor straightened deviate by less than half a slot.
+    const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
+    rays_ = traceCutRays(lines, curveError, tolerance_);
+    findNeckTips(rays_, cuts_.border, cuts_.kerf, tolerance_);
+    const double scale = tileScale(extended(cuts_.lines, rays_, tolerance_));
+    dropBeyondBorder(lines, scale);
+    requireClosed(lines);
+    takeNecks(scale);
+    Arrangement whole = arranged();
+    requireInside(lines, whole, scale);
+    whole.dropBridges();
+    findFaces(whole);
+    addJoints(whole);
+    dropLooseFaces(whole);
+    CutSheet sheet;
+    sheet.model = model(whole);
+    if (sheet.model.tiles.empty())
+      throw fault("the drawing has no tiles. Draw the outline of the sheet");
+    sheet.found = (cuts_.kerf > 0 ? "slots: " : "slits: ") + found(sheet.model);
+    sheet.leftOut = leftOut_;
+    return sheet;
+  }
+
+ private:
+  /// Summary of the result, one line.
+  std::string found(const model::Model& model) const {
+    std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
+                                   model.tiles.size() == 1 ? "" : "s", model.joints.size(),
+                                   model.joints.size() == 1 ? "" : "s");
+    if (!joints_.empty()) {
+      const auto [narrowest, widest] = std::ranges::minmax_element(joints_, {}, &FaceJoint::width);
+      text += widest->width - narrowest->width <= 0.01 * widest->width
+                  ? fmt::format(", necks {}", millimetres(widest->width))
+                  : fmt::format(", necks {:.4g} to {}", narrowest->width * 1e3,
+                                millimetres(widest->width));
+    }
+    if (cuts_.kerf > 0) text += fmt::format(", slots {}", millimetres(cuts_.kerf));
+    if (moved_ > tolerance_) text += fmt::format(", cuts bent by up to {}", millimetres(moved_));
+    if (moved_ > tolerance_ && drawing_.rounding > 0.25 * cuts_.kerf && cuts_.kerf > 0) {
+      text += fmt::format(
+          ", but its coordinates are rounded to {}: check the hinges, or save it "
+          "with more decimals",
+          millimetres(drawing_.rounding));
+    }
+    return text;
+  }
+  struct CutNeck {
+    int ray = 0;
+    Vector2 joint = Vector2::Zero();
+  };
+
+  static std::string millimetres(double metres) { return fmt::format("{:.4g} mm", metres * 1e3); }
+
+  InputError fault(const std::string& what) const { return inputErrorAt({file_}, what); }
+  DrawingFault faultAt(std::vector<Vector2> places, const std::string& what) const {
+    return {fault(what), drawing_.paths, std::move(places)};
+  }
+
+  /// The end of a cut beyond the last line that meets it.
+  struct Stub {
+    int node = 0, before = -1;  // where lines meet it, and the next node
+    double length = 0;
+  };
+
+  static Stub stubOf(const Arrangement& lines, int end) {
+    Stub stub{end, -1, 0};
+    for (bool continues = true; continues;) {
+      continues = false;
+      for (const int half : lines.leaving(stub.node)) {
+        if (lines.to(half) == stub.before) continue;
+        stub.length += (lines.at(lines.to(half)) - lines.at(stub.node)).norm();
+        stub.before = stub.node;
+        stub.node = lines.to(half);
+        continues = lines.leaving(stub.node).size() == 2;
+        break;
+      }
+    }
+    return stub;
+  }
+
+  /// Refuses a cut that crosses a line and ends a little beyond it: no neck remains there.
+  void requireNoCrossing(const Arrangement& lines, const CutRay& ray, double scale) const {
+    const auto [node, before, length] = stubOf(lines, ray.node);
+    if (lines.leaving(node).size() < 4 || length > kStub * scale || length < 2 * cuts_.kerf) return;
+    const Vector2 along = (lines.at(before) - lines.at(node)).normalized();
+    const bool crosses = std::ranges::any_of(lines.leaving(node), [&](int half) {
+      return (lines.at(lines.to(half)) - lines.at(node)).normalized().dot(along) < -0.99;
+    });
+    if (!crosses) return;
+    throw faultAt({lines.at(node)},
+                  fmt::format("a cut crosses a line at {} and ends {:.4g} mm beyond it. End it at "
+                              "the line, or before the line to keep a neck",
+                              drawing_.place(lines.at(node)), length * 1e3));
+  }
+
+  /// Removes short pieces of cuts beyond the border of their sheet.
+  void dropBeyondBorder(const Arrangement& lines, double scale) {
+    const std::vector<int> parts = lines.parts();
+    std::vector<std::vector<Vector2>> rings;
+    std::vector<int> ringParts;
+    for (int c = 0; c < std::ssize(lines.cycles()); ++c) {
+      if (lines.areaOf(c) <= 0) continue;
+      rings.push_back(ring(lines, c));
+      ringParts.push_back(parts[lines.from(lines.cycles()[c][0])]);
+    }
+    const auto isBeyond = [&](const CutRay& ray) {
+      const auto [node, before, length] = stubOf(lines, ray.node);
+      if (lines.leaving(node).size() < 3 || length > kStub * scale) return false;
+      bool isOfSheet = false;
+      for (std::size_t k = 0; k < rings.size(); ++k) {
+        isOfSheet |= ringParts[k] == parts[ray.node];
+        if (isWithinRing(rings[k], ray.from)) return false;
+      }
+      return isOfSheet;
+    };
+    const auto count = std::erase_if(rays_, isBeyond);
+    // Not meaningful for slots, whose mouths may be bent.
+    if (count > 0 && cuts_.kerf == 0) {
+      leftOut_["end of a cut beyond the border"] += static_cast<int>(count);
+    }
+  }
+
+  void requireClosed(const Arrangement& lines) const {
+    bool hasFace = false;
+    for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
+    const auto open = std::ranges::find(rays_, kNever, &CutRay::hit);
+    if (open == rays_.end() && hasFace) return;
+    if (open == rays_.end()) requireNoGap();
+    if (rays_.empty())
+      throw fault("the drawing has no lines of a sheet. Draw its outline and its cuts");
+    const Vector2& end = open == rays_.end() ? rays_.front().from : open->from;
+    throw faultAt({end},
+                  fmt::format("the outline is open: the line that ends at {} leaves the sheet. "
+                              "Close the outline, or end the line at it",
+                              drawing_.place(end)));
+  }
+
+  /// The extension of an open outline's end has the outside of the sheet on one side.
+  void requireNoGap() const {
+    const Arrangement whole = extended(cuts_.lines, rays_, tolerance_);
+    for (const CutRay& ray : rays_) {
+      if (ray.stop == kNever) continue;
+      bool hasTile = false, hasOutside = false;
+      for (const int half : whole.leaving(*whole.nodeAt(ray.from))) {
+        if ((whole.at(whole.to(half)) - ray.from).dot(ray.along) <= 0) continue;
+        for (const int side : {half, half ^ 1}) {
+          (whole.areaOf(whole.cycleOf(side)) > 0 ? hasTile : hasOutside) = true;
+        }
+      }
+      if (hasTile && hasOutside) throw openOutline(ray.from, ray.hit, "");
+    }
+  }
+
+  DrawingFault openOutline(const Vector2& end, double gap, const std::string& remedy) const {
+    return faultAt(
+        {end}, fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it{}",
+                           drawing_.place(end), gap * 1e3, remedy));
+  }
+
+  void takeNecks(double scale) {
+    const double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
+                                                  : widestNeck(rays_, scale);
+    for (int k = 0; k < std::ssize(rays_); ++k) {
+      const CutRay& ray = rays_[k];
+      if (ray.stop == kNever) continue;
+      if (!ray.isJoined && ray.width() > widest) continue;
+      isExtended_.insert(k);
+      const double aim = (ray.stopPlace - ray.from).dot(ray.along);
+      moved_ = std::max(moved_, (ray.stopPlace - ray.from - aim * ray.along).norm());
+      if (ray.isJoined || ray.stop <= tolerance_) continue;
+      CutNeck& neck = necks_.emplace_back();
+      neck.ray = k;
+      neck.joint = ray.stopPlace;
+      if (!settings_.areJointsInNecks) continue;
+      const double share = (ray.tip + 0.5 * ray.width()) / ray.stop;
+      if (!ray.isFacing) neck.joint = ray.from + share * (ray.stopPlace - ray.from);
+    }
+  }
+
+  Arrangement arranged() const {
+    std::vector<PlaneSegment> all = cuts_.lines;
+    std::map<int, Vector2> jointOf;
+    for (const CutNeck& neck : necks_) jointOf[neck.ray] = neck.joint;
+    for (const int k : isExtended_) {
+      const CutRay& ray = rays_[k];
+      const auto joint = jointOf.find(k);
+      if (joint == jointOf.end() || joint->second == ray.stopPlace) {
+        all.emplace_back(ray.from, ray.stopPlace);
+      } else {
+        all.emplace_back(ray.from, joint->second);
+        all.emplace_back(joint->second, ray.stopPlace);
+      }
+    }
+    return Arrangement(all, tolerance_);
+  }
+
+  /// An end outside all faces belongs to an open outline. Other ends lie within a tile.
+  void requireInside(const Arrangement& lines, const Arrangement& whole, double scale) {
+    const std::vector<int> parts = whole.parts();
+    std::set<int> closed;
+    for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+      if (whole.areaOf(c) > 0) closed.insert(parts[whole.from(whole.cycles()[c][0])]);
+    }
+    for (int k = 0; k < std::ssize(rays_); ++k) {
+      if (isExtended_.contains(k)) continue;
+      const int node = *whole.nodeAt(rays_[k].from);
+      const int cycle = whole.cycleOf(whole.leaving(node)[0]);
+      if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
+        throw openOutline(rays_[k].from, rays_[k].stop,
+                          ", or give `widest_neck` if a neck is there");
+      }
+      requireNoCrossing(lines, rays_[k], scale);
+      ++leftOut_["cut that ends within a tile"];
+    }
+  }
+
+  void findFaces(const Arrangement& whole) {
+    faceOf_.assign(whole.cycles().size(), -1);
+    for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+      if (whole.areaOf(c) <= 0) continue;
+      faceOf_[c] = static_cast<int>(faces_.size());
+      faces_.push_back(c);
+    }
+    hasNeck_.assign(faces_.size(), false);
+  }
+
+  /// The half edge of the neck that arrives at its joint.
+  std::optional<int> arriving(const Arrangement& whole, const CutNeck& neck) const {
+    const std::optional<int> node = whole.nodeAt(neck.joint);
+    if (!node) return std::nullopt;
+    const CutRay& ray = rays_[neck.ray];
+    const Vector2 back = (ray.from - neck.joint).normalized();
+    std::optional<int> best;
+    double nearest = std::cos(0.2);
+    for (const int half : whole.leaving(*node)) {
+      const double turn = (whole.at(whole.to(half)) - whole.at(*node)).normalized().dot(back);
+      if (turn <= nearest) continue;
+      nearest = turn;
+      best = half ^ 1;
+    }
+    return best;
+  }
+
+  void addJoints(const Arrangement& whole) {
+    struct Between {
+      int node;
+      std::size_t joint;  // index into joints_
+    };
+    std::map<std::pair<int, int>, std::vector<Between>> known;
+    for (const CutNeck& neck : necks_) {
+      const CutRay& ray = rays_[neck.ray];
+      const std::optional<int> half = arriving(whole, neck);
+      if (!half) {
+        ++leftOut_["cut that separates no tiles"];
+        continue;
+      }
+      const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
+      if (left < 0 || right < 0) throw openOutline(ray.from, ray.stop, "");
+      const int node = whole.to(*half);
+      std::vector<Between>& others = known[std::minmax(left, right)];
+      const auto same = std::ranges::find(others, node, &Between::node);
+      if (same != others.end()) {
+        joints_[same->joint].width += ray.width();  // from both sides
+        continue;
+      }
+      if (!others.empty()) {
+        const Vector2 strip = inner(whole, faces_[left]);
+        const Vector2 first = whole.at(others.front().node), second = whole.at(node);
+        throw faultAt(
+            {strip, first, second},
+            fmt::format("the strip of material at {} has necks to its neighbour at {} and {}. It "
+                        "can only bend and is not a rigid tile. See docs/drawings.md",
+                        drawing_.place(strip), drawing_.place(first), drawing_.place(second)));
+      }
+      others.push_back({node, joints_.size()});
+      hasNeck_[left] = hasNeck_[right] = true;
+      joints_.push_back({*half, left, right, ray.width()});
+    }
+  }
+
+  /// A point that identifies a face: the mean of its corners.
+  Vector2 inner(const Arrangement& whole, int cycle) const {
+    Vector2 sum(0, 0);
+    for (const int half : whole.cycles()[cycle]) sum += whole.at(whole.from(half));
+    return sum / static_cast<double>(whole.cycles()[cycle].size());
+  }
+
+  std::vector<Vector2> ring(const Arrangement& whole, int cycle) const {
+    std::vector<Vector2> points;
+    for (const int half : whole.cycles()[cycle]) points.push_back(whole.at(whole.from(half)));
+    return points;
+  }
+
+  /// Faces without a neck.
+  void dropLooseFaces(const Arrangement& whole) {
+    const std::vector<int> parts = whole.parts();
+    const auto partOf = [&](int face) {
+      return parts[whole.from(whole.cycles()[faces_[face]][0])];
+    };
+    std::map<int, int> facesOf;
+    std::set<int> sheets;
+    std::string fallen;
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      ++facesOf[partOf(f)];
+      if (hasNeck_[f]) sheets.insert(partOf(f));
+    }
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      if (hasNeck_[f]) continue;
+      const double area = whole.areaOf(faces_[f]);
+      const Vector2 corner = whole.at(whole.from(whole.cycles()[faces_[f]][0]));
+      const auto holdsIt = [&](int other) {
+        return other != f && partOf(other) != partOf(f) && whole.areaOf(faces_[other]) > area &&
+               isWithinRing(ring(whole, faces_[other]), corner);
+      };
+      bool isWithin = false, isLikeTile = false, isRound = false;
+      const std::vector<Vector2> own = ring(whole, faces_[f]);
+      for (int other = 0; other < std::ssize(faces_); ++other) {
+        if (sheets.empty() ? other != f : static_cast<bool>(hasNeck_[other])) {
+          isWithin |= holdsIt(other);
+          isRound |= partOf(other) != partOf(f) &&
+                     isWithinRing(own, whole.at(whole.from(whole.cycles()[faces_[other]][0])));
+        }
+        isLikeTile |= hasNeck_[other] && std::abs(whole.areaOf(faces_[other]) - area) < 0.01 * area;
+      }
+      const bool isShared = facesOf[partOf(f)] > 1;
+      if (isShared && (isLikeTile || sheets.empty())) {
+        const Vector2 piece = inner(whole, faces_[f]);
+        throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing. End a cut around it "
+                                           "before the line that it meets",
+                                           drawing_.place(piece)));
+      }
+      if (isWithin)
+        ++leftOut_["hole in a tile"];
+      else if (isShared) {
+        if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
+        ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
+      } else if (isRound && !sheets.empty())
+        ++leftOut_["frame around the sheet"];
+      else if (!sheets.empty())
+        ++leftOut_["outline without cuts"];
+      else
+        hasNeck_[f] = true;  // sheets of one tile
+    }
+  }
+
+  /// Joints, and tiles without the vertices that are no longer corners.
+  model::Model model(const Arrangement& whole) const {
+    std::set<int> cutEnds;
+    for (const int k : isExtended_) {
+      if (const auto node = whole.nodeAt(rays_[k].from)) cutEnds.insert(*node);
+    }
+    // Half edges that start at a joint of their tile.
+    std::set<int> corners;
+    const auto next = [&](int half) {
+      const std::vector<int>& cycle = whole.cycles()[whole.cycleOf(half)];
+      const auto at = std::ranges::find(cycle, half) - cycle.begin();
+      return cycle[(at + 1) % std::ssize(cycle)];
+    };
+    for (const FaceJoint& joint : joints_) {
+      corners.insert(next(joint.half));
+      corners.insert(joint.half ^ 1);
+    }
+    model::Model model;
+    model.name = file_.stem().string();
+    std::map<int, model::Corner> cornerAt;
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      if (!hasNeck_[f]) continue;
+      std::vector<int> kept = keptCorners(whole, whole.cycles()[faces_[f]], corners, cutEnds);
+      model::Tile& tile = model.tiles.emplace_back();
+      for (const int half : kept) {
+        cornerAt[half] = {static_cast<int>(model.tiles.size()) - 1,
+                          static_cast<int>(tile.vertices.size())};
+        const Vector2& at = whole.at(whole.from(half));
+        tile.vertices.emplace_back(at.x(), at.y(), 0);
+      }
+    }
+    for (const FaceJoint& joint : joints_) {
+      const auto a = cornerAt.find(next(joint.half)), b = cornerAt.find(joint.half ^ 1);
+      if (a == cornerAt.end() || b == cornerAt.end()) continue;
+      model::Joint& made =
+          model.joints.emplace_back(model::Joint{a->second, b->second, model::JointFace::Both});
+      made.neck = {joint.width, cuts_.kerf, cuts_.kerf};
+    }
+    return model;
+  }
+
+  struct FaceJoint {
+    int half, left, right;
+    double width;  // of the neck, metres
+  };
+
+  /// Half edges whose starts stay corners: joints, and points that deviate from a straight line by
+  /// more than the tolerance.
+  std::vector<int> keptCorners(const Arrangement& whole, const std::vector<int>& cycle,
+                               const std::set<int>& joints, const std::set<int>& cutEnds) const {
+    std::vector<int> halves;
+    for (const int half : cycle) {
+      const bool isEnd =
+          cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
+      if (!isEnd || joints.contains(half)) halves.push_back(half);
+    }
+    // Starts at the lowest of the leftmost points, which is always a corner.
+    const auto first = std::ranges::min_element(halves, {}, [&](int half) {
+      const Vector2& at = whole.at(whole.from(half));
+      return std::pair(at.x(), at.y());
+    });
+    std::rotate(halves.begin(), first, halves.end());
+    std::vector<int> kept;
+    std::vector<Vector2> chain;
+    std::vector<int> chainHalves;
+    const auto flush = [&] {
+      const std::vector<bool> isKept = simplifiedChain(chain, tolerance_);
+      for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+        if (isKept[k]) kept.push_back(chainHalves[k]);
+      }
+    };
+    // Between known corners: the first, the farthest from it, and joints.
+    const Vector2 start = whole.at(whole.from(halves[0]));
+    const auto farthest = std::ranges::max_element(
+        halves, {}, [&](int half) { return (whole.at(whole.from(half)) - start).norm(); });
+    const int far = *farthest;
+    for (std::size_t k = 0; k <= halves.size(); ++k) {
+      const int half = halves[k % halves.size()];
+      chain.push_back(whole.at(whole.from(half)));
+      chainHalves.push_back(half);
+      const bool isSure = k == halves.size() || half == far || joints.contains(half);
+      if (k == 0 || !isSure) continue;
+      flush();
+      chain = {chain.back()};
+      chainHalves = {half};
+    }
+    return kept;
+  }
+
+  const CutLines& cuts_;
+  const Drawing& drawing_;
+  const ReadSettings& settings_;
+  double tolerance_;
+  const fs::path& file_;
+  std::map<std::string, int> leftOut_;
+  std::vector<CutRay> rays_;
+  std::set<int> isExtended_;
+  std::vector<CutNeck> necks_;
+  std::vector<int> faces_;     // anticlockwise cycles
+  std::vector<int> faceOf_;    // by cycles
+  std::vector<bool> hasNeck_;  // of faces
+  std::vector<FaceJoint> joints_;
+  double moved_ = 0;
+};
+
+}  // namespace
+
+CutSheet sheetOfCuts(const CutLines& cuts, const Drawing& drawing, const ReadSettings& settings,
+                     double tolerance, const fs::path& file) {
+  return SheetMaker(cuts, drawing, settings, tolerance, file).make();
+}
+
+}  // namespace kirireel::formats

@@ -1,0 +1,32 @@
+/// Slots: cuts with a width, as closed outlines of removed material.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/formats/arrangement.h"
+
+namespace kirireel::formats {
+
+/// The lines that part a sheet, as if the cutter removed nothing.
+struct CutLines {
+  std::vector<PlaneSegment> lines;     ///< outline and cuts, metres
+  std::vector<PlaneSegment> border;    ///< of the removed material, that cuts end at; may be empty
+  double kerf = 0;                     ///< width of the slots, metres; 0 of slits
+  std::map<std::string, int> leftOut;  ///< what is no cut, and how often
+};
+
+/// Closed chains of the paths' lines. Lines whose ends meet, an even number at each place, make
+/// one. `open` receives the other paths.
+std::vector<std::vector<Vector2>> closedRings(const std::vector<const DrawnPath*>& paths,
+                                              double tolerance,
+                                              std::vector<const DrawnPath*>& open);
+
+/// Slots, closed outlines of removed material in closed outlines of a sheet, as their centre lines.
+/// Open lines are slits, or enclose a slot together with other lines. Without lines if the drawing
+/// has no narrow slots.
+CutLines slotLines(const std::vector<std::vector<Vector2>>& rings,
+                   const std::vector<const DrawnPath*>& open, double tolerance);
+
+}  // namespace kirireel::formats
