@@ -435,7 +435,7 @@ bool hasVisibleVariation(const trajectory::CurveGroup& group) {
 Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
   for (const trajectory::CurveGroup& group : curves.groups) {
-    if (!group.hasValues() || !hasVisibleVariation(group)) continue;
+    if (!group.hasLine() || !hasVisibleVariation(group)) continue;
     Json lines = Json::array();
     for (const trajectory::Curve& curve : group.curves) {
       // A spatial sheet has some measures only at its start.

@@ -33,7 +33,7 @@ namespace {
 
 using Tiles = std::vector<model::Tile>;
 
-/// Maximum thickness of the layer of a flat motion, relative to its larger side.
+/// Maximum thickness of the layer of a flat motion, relative to its smaller side.
 constexpr double kFlatLayer = 0.15;
 /// Weight of a visible back relative to a visible front.
 constexpr double kBack = 0.95;
@@ -119,8 +119,8 @@ std::optional<Vector3> layerNormal(std::span<const Vector3> points, const Tiles&
   // The start's own plane is exact.
   for (const Vector3& normal : {model::meanNormal(start, Vector3::UnitZ()), Vector3(axes.col(0))}) {
     const Axes across = axesAcross(normal);
-    const double larger = std::max(lengthAlong(points, across.x), lengthAlong(points, across.y));
-    if (lengthAlong(points, normal) < kFlatLayer * larger) return normal;
+    const double smaller = std::min(lengthAlong(points, across.x), lengthAlong(points, across.y));
+    if (lengthAlong(points, normal) < kFlatLayer * smaller) return normal;
   }
   return std::nullopt;
 }

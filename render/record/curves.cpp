@@ -88,7 +88,7 @@ PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<d
   if (against == CurvesAgainst::Time) return {title, curves.times};
   if (against == CurvesAgainst::Progress) return {title, progress};
   for (const trajectory::Curve* curve : allCurves(curves)) {
-    if (curve->column == kOpening && curve->hasValues()) return {title, curve->values};
+    if (curve->column == kOpening && curve->hasLine()) return {title, curve->values};
   }
   throw InputError("error: the model has no joints that open; plot --against time or progress");
 }
@@ -527,7 +527,7 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
   std::vector<std::vector<const trajectory::Curve*>> curves;  // of the lines of each diagram
   for (const PlottedRun& run : runs) {
     for (const trajectory::CurveGroup& group : run.groups) {
-      if (!group.hasValues()) continue;
+      if (!group.hasLine()) continue;
       const std::string title = group.unit.empty() ? group.name : group.name + ", " + group.unit;
       auto diagram = std::ranges::find_if(diagrams, [&](const Diagram& other) {
         return other.title == title && other.across == run.abscissa.title;
@@ -540,7 +540,7 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
       }
       diagram->rounding = std::min(diagram->rounding, run.rounding);
       for (const trajectory::Curve& curve : group.curves) {
-        if (!curve.hasValues()) continue;
+        if (!curve.hasLine()) continue;
         diagram->lines.push_back({run.name, run.abscissa.values, curve.values, run.isDashed});
         curves[diagram - diagrams.begin()].push_back(&curve);
       }

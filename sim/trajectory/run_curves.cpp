@@ -212,12 +212,15 @@ double valueAt(const std::vector<double>& times, const std::vector<double>& valu
 
 }  // namespace
 
-bool Curve::hasValues() const {
-  return std::ranges::any_of(values, [](double value) { return !std::isnan(value); });
+bool Curve::hasLine() const {
+  if (values.size() == 1) return !std::isnan(values.front());
+  return std::ranges::adjacent_find(values, [](double value, double next) {
+           return !std::isnan(value) && !std::isnan(next);
+         }) != values.end();
 }
 
-bool CurveGroup::hasValues() const {
-  return std::ranges::any_of(curves, &Curve::hasValues);
+bool CurveGroup::hasLine() const {
+  return std::ranges::any_of(curves, &Curve::hasLine);
 }
 
 // The shape's groups come first, in the order of their table. Names of metres are replaced by those

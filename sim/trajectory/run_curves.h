@@ -22,8 +22,8 @@ struct Curve {
   std::string column;          ///< in tables, with its unit, such as "width_mm"
   std::vector<double> values;  ///< one per sample; NaN if undefined
 
-  /// Whether any value is a number.
-  bool hasValues() const;
+  /// Whether a plot shows it: two samples in a row are numbers, or the only one is.
+  bool hasLine() const;
 };
 
 /// Curves with the same unit, for one diagram.
@@ -34,8 +34,8 @@ struct CurveGroup {
   std::vector<Curve> curves;   ///< one or more
   int lengthPower = 0;         ///< of the length in its values: 1 of lengths, 2 of areas, else 0
 
-  /// Whether any curve has any value.
-  bool hasValues() const;
+  /// Whether any curve has a line.
+  bool hasLine() const;
 };
 
 /// All curves of a run.

@@ -148,6 +148,16 @@ TEST(AutomaticView, ShowsNearlyTheMostOfAllDirections) {
   }
 }
 
+TEST(AutomaticView, ShowsTwoSidesOfSlimTubes) {
+  // Seen along a side, four faces show 0.25. Along a diagonal they show 0.5 / sqrt(2).
+  for (const int length : {3, 12, 30}) {
+    const std::vector<Tiles> states(2, rolledSheet(4, length, std::numbers::pi / 2));
+    const picture::AutomaticView view = picture::chooseView(states, false);
+    const double share = raySharesOf(states[0], directionOf(view.angles));
+    EXPECT_GE(share, 0.9 * 0.5 / std::numbers::sqrt2) << length;
+  }
+}
+
 TEST(AutomaticView, TurnsWithTheModel) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;

@@ -27,13 +27,14 @@ using ::testing::StartsWith;
 
 constexpr double kNone = NAN;
 
-/// Three samples of four groups; one of them has no values.
+/// Three samples of five groups; two of them have no line.
 trajectory::RunCurves someCurves() {
   return {
       {0, 0.5, 1},
       {{"Size", "m", false, {{"width", "width_m", {1, 1.5, 2}}, {"depth", "depth_m", {0, 0, 0}}}},
        {"Poisson's ratio", "", false, {{"ratio", "poissons_ratio", {kNone, -1, -1}}}},
        {"Target error", "m", true, {{"error", "target_error_m", {kNone, kNone, kNone}}}},
+       {"Porosity", "", false, {{"porosity", "porosity", {1e-16, kNone, kNone}}}},
        {"Joint gap", "m", true, {{"gap", "joint_gap_m", {0, 1e-13, 0.1}}}}}};
 }
 
@@ -140,10 +141,10 @@ TEST(LoadCurves, OfSeveralRunsShareADiagram) {
 
 TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
   EXPECT_EQ(record::curvesTable(someCurves(), {0, 0.1, 1}),
-            "time_s,progress,width_m,depth_m,poissons_ratio,target_error_m,joint_gap_m\n"
-            "0,0,1,0,,,0\n"
-            "0.5,0.1,1.5,0,-1,,1e-13\n"
-            "1,1,2,0,-1,,0.1\n");
+            "time_s,progress,width_m,depth_m,poissons_ratio,target_error_m,porosity,joint_gap_m\n"
+            "0,0,1,0,,,1e-16,0\n"
+            "0.5,0.1,1.5,0,-1,,,1e-13\n"
+            "1,1,2,0,-1,,,0.1\n");
 }
 
 TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
@@ -153,6 +154,7 @@ TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(svg, Not(HasSubstr("Target error")));
+  EXPECT_THAT(svg, Not(HasSubstr("Porosity")));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
 }
 
@@ -205,7 +207,7 @@ TEST(CurvesPlot, ReportsThatThereIsNothing) {
 
 TEST(CurvesPlot, NamesRunsThatShareADiagram) {
   record::PlottedRun soft = someRun("soft"), stiff = someRun("stiff");
-  soft.groups = stiff.groups = {soft.groups[0], soft.groups[3]};
+  soft.groups = stiff.groups = {soft.groups[0], soft.groups[4]};
   const std::string svg = record::plotCurves({soft, stiff}, picture::PageFormat::Svg, {});
   for (const char* text : {">soft, width<", ">stiff, depth<", ">soft<", ">stiff<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
@@ -296,7 +298,7 @@ TEST(CurvesPlot, TextsAreApart) {
 
 TEST(Curves, AreSelectedByGroupOrColumn) {
   const trajectory::RunCurves curves = someCurves();
-  EXPECT_EQ(record::selectCurves(curves.groups, {}).size(), 4U);
+  EXPECT_EQ(record::selectCurves(curves.groups, {}).size(), 5U);
   const auto chosen = record::selectCurves(curves.groups, {"joint_gap", "depth", "poissons_ratio"});
   ASSERT_EQ(chosen.size(), 3U);
   EXPECT_EQ(chosen[0].name, "Joint gap");

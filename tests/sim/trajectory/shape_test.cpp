@@ -331,7 +331,7 @@ TEST_F(RunCurvesOfSquares, AreStraightBetweenSamples) {
   EXPECT_NEAR(width.values[1], 0.5 * (at("width_m", 0) + at("width_m", 1)), 1e-14);
   EXPECT_EQ(width.values[3], at("width_m", kSamples - 1));
   EXPECT_TRUE(std::isnan(curveNamed(between, "target_error_m").values[1]));
-  EXPECT_FALSE(between.groups[11].hasValues());
+  EXPECT_FALSE(between.groups[11].hasLine());
 }
 
 }  // namespace
