@@ -82,10 +82,17 @@ void requireNoExtraWords(const CLI::App& program) {
   throw InputError(fmt::format("error: unexpected argument '{}'; {}", left.front(), help));
 }
 
-/// CLI11's text starts with the option without its value and a colon.
-InputError missingValue(const std::string& text, const CLI::App& command) {
-  return InputError(fmt::format("error: {} needs a value; see {} --help",
-                                text.substr(0, text.find(':')), fullName(command)));
+InputError missingValue(const std::string& option, const CLI::App& command) {
+  return InputError(
+      fmt::format("error: {} needs a value; see {} --help", option, fullName(command)));
+}
+
+/// An empty value is mostly an unset variable of a script.
+void requireNoEmptyValue(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional() && has(option->results(), ""))
+      throw missingValue(option->get_name(), command);
+  }
 }
 
 /// `--letters` without one of its words is a switch: the next argument may be positional.
@@ -111,11 +118,14 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
   } catch (const CLI::CallForHelp&) {
     return PrintOrder{helpText(chosenCommand(program), group)};
   } catch (const CLI::ArgumentMismatch& error) {
-    throw missingValue(error.what(), chosenCommand(program));
+    // The text starts with the option without its value and a colon.
+    const std::string text = error.what();
+    throw missingValue(text.substr(0, text.find(':')), chosenCommand(program));
   } catch (const CLI::ParseError& error) {
     throw InputError(
         fmt::format("error: {}; see {} --help", error.what(), fullName(chosenCommand(program))));
   }
+  requireNoEmptyValue(chosenCommand(program));
   return std::nullopt;
 }
 

@@ -49,12 +49,22 @@ std::string wrapped(const std::string& line, std::size_t indent) {
   return text + margin + line.substr(begin);
 }
 
+/// "Solver ([solver] in scene.toml)" in a command that reads scene files.
+std::string titleOf(const CLI::App& command, const std::string& heading) {
+  if (command.get_option_no_throw("--scene") == nullptr) return heading;
+  const auto options = command.get_options(
+      [&](const CLI::Option* option) { return option->get_group() == heading; });
+  const std::string table = options.empty() ? "" : settingTable(*options.front());
+  return table.empty() ? heading : fmt::format("{} ([{}] in scene.toml)", heading, table);
+}
+
 /// CLI11's page, wrapped, with one empty line between two sections.
 std::string wholePage(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   std::istringstream lines(command.help(parent == nullptr ? "" : fullName(*parent)));
   std::string text;
   for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with(':')) line = titleOf(command, line.substr(0, line.size() - 1)) + ':';
     if (line.empty() && (text.empty() || text.ends_with("\n\n"))) continue;
     // Explanations continue in their column, other lines are indented.
     const bool isExplained = line.size() > kHelpColumn && line[kHelpColumn - 1] == ' ' &&
@@ -80,9 +90,9 @@ std::vector<std::string> headingsOf(const CLI::App& command) {
   return headings;
 }
 
-/// The section of a page under a heading, up to its empty line.
-std::string sectionOf(const std::string& page, const std::string& heading) {
-  const std::size_t begin = page.find(fmt::format("\n{}:\n", heading)) + 1;
+/// The section of a page under a title, up to its empty line.
+std::string sectionOf(const std::string& page, const std::string& title) {
+  const std::size_t begin = page.find(fmt::format("\n{}:\n", title)) + 1;
   return page.substr(begin, page.find("\n\n", begin) + 1 - begin);
 }
 
@@ -107,7 +117,7 @@ std::string overview(const CLI::App& command, const std::string& page,
                      const std::vector<std::string>& headings) {
   // Purpose, usage and arguments precede the section of --help. The footer follows the last
   // section.
-  const std::string last = sectionOf(page, headings.back());
+  const std::string last = sectionOf(page, titleOf(command, headings.back()));
   std::string text = page.substr(0, page.find("\nOptions:\n") + 1);
   text +=
       fmt::format("Options by group; explained by {} --help GROUP (or all):\n", fullName(command));
@@ -143,7 +153,7 @@ std::string helpText(const CLI::App& command, const std::string& group) {
   }
   std::vector<std::string> words = {kAllGroups};
   for (const std::string& heading : headings) {
-    if (groupWord(heading) == groupWord(group)) return sectionOf(page, heading);
+    if (groupWord(heading) == groupWord(group)) return sectionOf(page, titleOf(command, heading));
     words.push_back(groupWord(heading));
   }
   throw InputError(fmt::format("error: {} has no group of options '{}'{}; choose {}",

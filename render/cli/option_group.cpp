@@ -43,10 +43,10 @@ void addNote(CLI::Option& option, const char* kind, const std::string& text) {
 }
 
 /// The attached text; "" if there is none.
-std::string noteOf(CLI::Option& option, const char* kind) {
+std::string noteOf(const CLI::Option& option, const char* kind) {
   try {
-    // CLI11 returns the text of a check only while it is active.
-    CLI::Validator validator = *option.get_validator(kind);
+    // CLI11 returns the text of a check only while it is active, and has no constant getter.
+    CLI::Validator validator = *const_cast<CLI::Option&>(option).get_validator(kind);
     return validator.active().get_description();
   } catch (const CLI::OptionNotFound&) {
     return "";
@@ -90,7 +90,8 @@ OptionGroup::Statement OptionGroup::value(const std::string& name, const std::st
   // The help text contains the default, because CLI11 has no variable that it could print.
   const std::string text =
       defaultText.empty() ? help : fmt::format("{} (default {})", help, defaultText);
-  const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
+  const std::string firstName = name.substr(0, name.find(','));
+  const auto readText = [firstName, read](const std::string& typed) { read({firstName, typed}); };
   CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
                             ->type_name(unit)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -169,14 +170,14 @@ std::string serializedValue(CLI::Option& option) {
   return option.capture_default_str()->get_default_str();
 }
 
-std::vector<std::string> allowedWords(CLI::Option& option) {
+std::vector<std::string> allowedWords(const CLI::Option& option) {
   std::vector<std::string> words;
   std::istringstream lines(noteOf(option, kWords));
   for (std::string word; std::getline(lines, word);) words.push_back(word);
   return words;
 }
 
-std::string settingTable(CLI::Option& option) {
+std::string settingTable(const CLI::Option& option) {
   return noteOf(option, kTable);
 }
 

@@ -224,10 +224,10 @@ class OptionGroup {
 std::string serializedValue(CLI::Option& option);
 
 /// The only values that an option accepts; empty if any value is allowed.
-std::vector<std::string> allowedWords(CLI::Option& option);
+std::vector<std::string> allowedWords(const CLI::Option& option);
 
 /// The option's table in a scene file; empty if a scene file cannot set it.
-std::string settingTable(CLI::Option& option);
+std::string settingTable(const CLI::Option& option);
 
 /// Adds a positional argument. The target stays empty if it is missing, see requireGiven().
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

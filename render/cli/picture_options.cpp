@@ -355,7 +355,12 @@ std::optional<picture::ViewAngles> parseView(
     const scene::Choices<std::optional<picture::ViewAngles>>& views) {
   // Words have no comma.
   const std::size_t comma = value.text.find(',');
-  if (comma == std::string::npos) return scene::parseChoice(value, views);
+  if (comma == std::string::npos) {
+    std::vector<std::string> allowed = scene::choiceNames(views);
+    if (has(allowed, value.text)) return scene::parseChoice(value, views);
+    allowed.emplace_back("AZIMUTH,ELEVATION[,ROLL] in degrees");
+    throw scene::valueError(value, scene::listWords(allowed));
+  }
   const auto degrees = [&value](const std::string& text, double most) {
     return scene::parseNumber({value.name, text}, {-most, most}) * kDegree;
   };

@@ -242,7 +242,10 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
     const InputRecord record(order.inputs);
     // A model that was not read from a file has no folder for a scene file.
     if (!order.model.empty() || !order.request.file.empty()) {
-      file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+      CLI::App program("", "kirireel");
+      RecordOrder unused;
+      file = readSceneFileOf(command, *addRecordCommand(program, unused), findModel(order.model),
+                             order.request, order.scene);
     }
   }
   const bool isLikePeer = !order.peerSpelling.empty();

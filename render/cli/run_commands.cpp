@@ -215,7 +215,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGrou
   // SI units for any --deck-unit. Only the deck is scaled.
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
   // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
-  group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
+  group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "RATIO", "Poisson's ratio");
   group.number(isOnlyGroup ? "--density,--deck-density" : "--deck-density", decks.material.density,
                {1e-12, 1e9}, "KG/M3", "density of the material");
   group.choice<fea::DeckUnit>(

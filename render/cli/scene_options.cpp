@@ -104,14 +104,15 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
   return request.file.empty() ? modelFolder / "scene.toml" : request.file;
 }
 
-scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
+                                 const std::filesystem::path& modelFolder,
                                  const SceneRequest& request, scene::Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
   std::error_code ignored;
   // A named file must exist; scene.toml in the model's folder is optional.
   if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
   // Settings were written to the options. Lists have no options and are used here.
-  scene::SceneFile read = applySceneFile(command, file);
+  scene::SceneFile read = applySceneFile(command, all, file);
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;
   scene.velocities = read.velocities;
@@ -129,11 +130,11 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
 
 namespace {
 
-/// Keys of one table, for suggestions.
-std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
+/// Keys of all tables, for suggestions.
+std::vector<std::string> keysOf(CLI::App& command) {
   std::vector<std::string> keys;
   for (CLI::Option* option : command.get_options()) {
-    if (settingTable(*option) == table) keys.push_back(settingKey(*option));
+    if (!settingTable(*option).empty()) keys.push_back(settingKey(*option));
   }
   return keys;
 }
@@ -154,9 +155,8 @@ CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
   throw inputErrorAt(
       setting.where,
       fmt::format("[{}] has no key {}{}; see {} --help", setting.table, shown(setting.key),
-                  replacement.empty() ? suggestion(setting.key, keysOf(command, setting.table))
-                                      : replacement,
-                  command.get_name()));
+                  replacement.empty() ? suggestion(setting.key, keysOf(command)) : replacement,
+                  fullName(command)));
 }
 
 /// An option without a value is set by true; false has no effect.
@@ -169,8 +169,9 @@ void requireKindOfValue(const scene::SceneSetting& setting, const CLI::Option& o
     throw inputErrorAt(setting.where, fmt::format("{} has one value", setting.key));
   }
   if (isEither || isSwitch == setting.isSwitch) return;
-  throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
-                                             : fmt::format("{} needs a value", setting.key));
+  if (!isSwitch) throw inputErrorAt(setting.where, fmt::format("{} needs a value", setting.key));
+  throw scene::locatedAt(setting.where,
+                         scene::valueError({setting.key, setting.values.front()}, "true or false"));
 }
 
 }  // namespace
@@ -196,10 +197,14 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting) {
   }
 }
 
-scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
+scene::SceneFile applySceneFile(CLI::App& command, CLI::App& all,
+                                const std::filesystem::path& file) {
   scene::SceneFile scene = scene::readSceneFile(file);
-  for (const scene::SceneSetting& setting : scene.settings)
-    applySetting(findOption(command, setting), setting);
+  for (const scene::SceneSetting& setting : scene.settings) {
+    CLI::Option& known = findOption(all, setting);
+    CLI::Option* own = command.get_option_no_throw("--" + known.get_lnames().front());
+    applySetting(own ? *own : known, setting);
+  }
   return scene;
 }
 

@@ -47,8 +47,9 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
 
 /// Reads the requested scene file, or scene.toml in the model's folder if it exists, to the targets
 /// of the command's options, the scene's timeline, its obstacles and its grips. Returns it, or an
-/// empty one. Call it after parsing. Throws InputError.
-scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+/// empty one. `all`: see applySceneFile(). Call it after parsing. Throws InputError.
+scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
+                                 const std::filesystem::path& modelFolder,
                                  const SceneRequest& request, scene::Scene& scene);
 
 // ------------------------------------------------------------------------------------------------
@@ -56,10 +57,12 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
 
 /// Reads a scene file to the targets of a command's options: `brick_friction = 0.3` in
 /// [environment] is `--brick-friction 0.3`. Options of the command line have priority.
-/// Returns the whole file. Call it after parsing. Throws InputError with file:line:column for
-/// unknown keys (suggesting the nearest), keys in the wrong table, and values that the option
-/// refuses.
-scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
+/// `all` is a command with the keys of every scene file. Those that `command` lacks are checked but
+/// have no effect, so one file serves `record` and `simulate`. Returns the whole file. Call it
+/// after parsing. Throws InputError with file:line:column for unknown keys (suggesting the
+/// nearest), keys in the wrong table, and values that the option refuses.
+scene::SceneFile applySceneFile(CLI::App& command, CLI::App& all,
+                                const std::filesystem::path& file);
 
 /// The key of an option in a file, "brick_friction" for --brick-friction; empty for a positional.
 std::string settingKey(const CLI::Option& option);

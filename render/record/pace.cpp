@@ -231,10 +231,11 @@ int nearestIndex(const std::vector<double>& numbers, double requested) {
 /// Throws InputError for times after the end.
 int nearestToTime(const std::vector<double>& times, double time) {
   if (time > times.back() + kAfterEnd) {
-    throw InputError(fmt::format(
-        "--frames-at: {:g} s is after the end of the run at {:g} s; give times up to it, or shares "
-        "such as 100%",
-        time, times.back()));
+    throw InputError(
+        fmt::format("error: --frames-at: {:g} s is after the end of the run at {:g} s; give times "
+                    "up to it, or shares "
+                    "such as 100%",
+                    time, times.back()));
   }
   return nearestIndex(times, time);
 }

@@ -437,7 +437,10 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
   file.path = path;
   for (const TomlEntry& entry : readTomlFile(path, "a scene file, like scene.toml")) {
     if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
-      refuseKey(entry, "table", kTables);
+      if (entry.value.table() || entry.value.array()) refuseKey(entry, "table", kTables);
+      throw inputErrorAt(entry.where,
+                         fmt::format("{} is in no table; write it below its table, such as [{}]",
+                                     shown(entry.key), kTables.front()));
     }
     if (readList(entry, file)) {
       file.entries.push_back(entry);

@@ -610,9 +610,12 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 double parseNumber(const TypedValue& value, Range range) {
   const std::optional<double> number = readNumber(value.text);
   // from_chars also reads "inf" and "nan".
-  const bool fits = number && std::isfinite(*number) && range.holds(*number);
-  if (!fits) throw valueError(value, describe(range, "a number"));
-  return *number;
+  if (number && std::isfinite(*number) && range.holds(*number)) return *number;
+  const std::string& text = value.text;
+  const bool hasUnit = !number && !text.empty() &&
+                       std::isdigit(static_cast<unsigned char>(text.front())) != 0 &&
+                       std::isalpha(static_cast<unsigned char>(text.back())) != 0;
+  throw valueError(value, describe(range, "a number") + (hasUnit ? ", without a unit" : ""));
 }
 
 long parseInteger(const TypedValue& value, Range range) {

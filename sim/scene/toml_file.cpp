@@ -178,7 +178,10 @@ double requireNumber(const TomlValue& value, double least, double most,
 }
 
 void refuseValue(const TomlValue& value, const std::string& allowed) {
-  throw inputErrorAt(value.where, fmt::format("this value is not allowed; give {}", allowed));
+  const bool isOther = std::holds_alternative<TomlValue::Other>(value.content);
+  throw inputErrorAt(value.where,
+                     fmt::format("{} is not allowed; give {}",
+                                 isOther ? "a date or time" : shown(tomlText(value)), allowed));
 }
 
 void refuseKey(const TomlEntry& entry, const std::string& what,

@@ -73,7 +73,7 @@ const TomlValue* find(const TomlTable& table, const std::string& key);
 /// A number in [least, most]. Throws InputError with `allowed` in its message.
 double requireNumber(const TomlValue& value, double least, double most, const std::string& allowed);
 
-/// Throws "FILE:LINE:COLUMN: error: this value is not allowed; give ALLOWED".
+/// Throws "FILE:LINE:COLUMN: error: VALUE is not allowed; give ALLOWED".
 [[noreturn]] void refuseValue(const TomlValue& value, const std::string& allowed);
 
 /// Throws InputError for an unknown key, with the most similar known key as a suggestion.

@@ -192,9 +192,7 @@ TEST(CommandLine, ReadsEveryOptionOfTheLook) {
 }
 
 TEST(CommandLine, ReadsADepthCue) {
-  const auto cueOf = [](const Words& words) {
-    return recordOrder(words).settings.look.depthCue;
-  };
+  const auto cueOf = [](const Words& words) { return recordOrder(words).settings.look.depthCue; };
   EXPECT_EQ(cueOf({"record", "fan"}), 0);
   EXPECT_EQ(cueOf({"record", "fan", "--depth-cue", "0.5"}), 0.5);
 }
@@ -326,6 +324,25 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
             "error: unexpected argument 'cylinder'; see kirireel record --help");
   EXPECT_EQ(messageOf({"record", "fan", "--fps"}),
             "error: --fps needs a value; see kirireel record --help");
+  for (const char* option : {"--out", "--target", "--title"}) {
+    EXPECT_EQ(messageOf({"record", "fan", option, ""}),
+              std::string("error: ") + option + " needs a value; see kirireel record --help");
+  }
+}
+
+TEST(CommandLine, MessagesGiveAllFormsOfAValue) {
+  EXPECT_EQ(messageOf({"record", "fan", "--view", "up"}),
+            "error: --view: 'up' is not allowed; give auto, top, bottom, front, back, side, left, "
+            "iso, oblique or AZIMUTH,ELEVATION[,ROLL] in degrees");
+  EXPECT_EQ(messageOf({"record", "fan", "--thickness", "3mm"}),
+            "error: --thickness: '3mm' is not allowed; give a number from 1e-15 to 1e+09, without "
+            "a unit");
+}
+
+TEST(CommandLine, HelpNamesTheTableOfAGroup) {
+  EXPECT_THAT(page({"record", "--help", "end"}),
+              HasSubstr("End of the run ([stop] in scene.toml):"));
+  EXPECT_THAT(page({"render", "--help", "camera"}), HasSubstr("Camera:"));
 }
 
 TEST(CommandLine, HelpTeaches) {
@@ -368,7 +385,7 @@ TEST(CommandLine, HelpListsGroups) {
   EXPECT_THAT(help, HasSubstr("\n  output        --out "));
   EXPECT_THAT(help, HasSubstr("\n  video "));
   EXPECT_THAT(page({"record", "--help", "springs"}),
-              testing::StartsWith("Springs to the target:\n"));
+              testing::StartsWith("Springs to the target ([actuation] in scene.toml):\n"));
   EXPECT_EQ(messageOf({"verify", "--help", "vidoe"}),
             "error: kirireel verify has no group of options 'vidoe'; choose all");
   EXPECT_THAT(messageOf({"record", "--help", "vidoe"}), HasSubstr("'vidoe', did you mean video?;"));

@@ -111,7 +111,7 @@ TEST_F(FigureFileTest, NamesWhatExists) {
   EXPECT_THAT(refusal(one("[panel.b]\nrun = \"fan\"\n")),
               HasSubstr(": error: panel b is not in rows; add or remove it"));
   EXPECT_THAT(refusal("rows = [\"a\"]\n[panel.a]\nrun = \"cap\"\n"),
-              HasSubstr("@/page.toml:1:9: error: this value is not allowed; give lists with "));
+              HasSubstr("@/page.toml:1:9: error: \"a\" is not allowed; give lists with "));
 }
 
 /// The keys of a panel are the options of `render` that concern one picture, and those of `curves`.
@@ -145,7 +145,7 @@ TEST_F(FigureFileTest, ValuesAreThoseOfTheOptions) {
             "several runs or remove --same-view");
   EXPECT_EQ(read(one("title = \"One\"\n")).rows[0][0].title, "One");
   EXPECT_EQ(refusal("rows = [[\"a\"]]\n[panel]\na = 3\n"),
-            "@/page.toml:3:5: error: this value is not allowed; give a table, [panel.a]");
+            "@/page.toml:3:5: error: 3 is not allowed; give a table, [panel.a]");
 }
 
 TEST_F(FigureFileTest, FormatsAreThoseOfTheFiles) {

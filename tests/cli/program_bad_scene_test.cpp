@@ -63,7 +63,7 @@ TEST_F(BadScene, TargetsOfAnotherShape) {
 
 TEST_F(BadScene, PathsThroughNaN) {
   expectRefused(simulate("[[timeline]]\ndrag = {tile = 0, path = [[0, 0, 1], [nan, 0, 0]]}\n"),
-                "run.toml:2:39: error: this value is not allowed; give a number, at most 1e+09 in "
+                "run.toml:2:39: error: nan is not allowed; give a number, at most 1e+09 in "
                 "size");
   expectRefused(simulate("[[timeline]]\nat = nan\nquit = true\n"), "run.toml:2:6: error: ");
 }
@@ -116,7 +116,9 @@ TEST_F(BadScene, ARunWhoseTimeIsUpReportsWhetherItIsAtItsTarget) {
   EXPECT_EQ(summary()["at_target"], true);
   // Nothing to reach.
   for (const char* drive : {"none", "expansion"}) {
-    EXPECT_EQ(simulate("", {"--duration", "0.05", "--path", "dynamic", "--actuation", drive}).exitCode, 0) << drive;
+    EXPECT_EQ(
+        simulate("", {"--duration", "0.05", "--path", "dynamic", "--actuation", drive}).exitCode, 0)
+        << drive;
     EXPECT_EQ(summary()["outcome"], "out_of_time");
     EXPECT_TRUE(summary()["at_target"].is_null());
   }

@@ -223,7 +223,7 @@ TEST_F(SweepProgram, ValuesAreCheckedBeforeTheFirstRun) {
   expectRefused(sweep("generate = \"fan\"\n[grid]\nthickness = [0.1, -1]\n"),
                 "sweep.toml:3:19: error: --thickness: '-1'");
   expectRefused(sweep("generate = \"fan\"\n[grid]\nground = [1, 2]\n"),
-                "sweep.toml:3:11: error: ground is true or false");
+                "sweep.toml:3:11: error: ground: '1' is not allowed; give true or false");
 }
 
 TEST_F(SweepProgram, ModelIsMissing) {

@@ -83,7 +83,19 @@ TEST_F(SceneSettingsTest, FalseDoesNotSetASwitch) {
 TEST_F(SceneSettingsTest, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(refusal("[environment]\nbrick_frictoin = 0.3\n"),
             "scene.toml:2:18: error: [environment] has no key brick_frictoin, did you mean "
-            "brick_friction?; see record --help");
+            "brick_friction?; see kirireel record --help");
+}
+
+TEST_F(SceneSettingsTest, UnknownKeysSuggestOnesOfOtherTables) {
+  EXPECT_THAT(refusal("[stop]\nthicknes = 0.3\n"), HasSubstr("did you mean thickness?"));
+}
+
+TEST_F(SceneSettingsTest, SimulateChecksAndIgnoresKeysOfRecord) {
+  std::ofstream(folder_ / "scene.toml") << "[recording]\nlength = 4\n[camera]\nview = \"iso\"\n";
+  const std::string folder = folder_.path().string();
+  EXPECT_NO_THROW(cli::parseCommandLine({"simulate", folder}));
+  std::ofstream(folder_ / "scene.toml") << "[recording]\nlength = 0\n";
+  EXPECT_THROW(cli::parseCommandLine({"simulate", folder}), InputError);
 }
 
 TEST_F(SceneSettingsTest, KeysInTheWrongTableSayWhere) {
@@ -96,7 +108,8 @@ TEST_F(SceneSettingsTest, WrongValuesAreTheOptionsErrorsWithTheirPlace) {
               HasSubstr("scene.toml:3:10: error: --solver: 'magic' is not allowed; give direct"));
   EXPECT_THAT(refusal("[model]\nthickness = -1\n"), HasSubstr("scene.toml:2:13: error: --thick"));
   EXPECT_THAT(refusal("[model]\nthickness = true\n"), HasSubstr("thickness needs a value"));
-  EXPECT_THAT(refusal("[environment]\nground = 3\n"), HasSubstr("ground is true or false"));
+  EXPECT_THAT(refusal("[environment]\nground = 3\n"),
+              HasSubstr("error: ground: '3' is not allowed; give true or false"));
   EXPECT_THAT(refusal("[model]\npin = [1, -2]\n"), HasSubstr("--pin: '1,-2' is not allowed"));
 }
 

@@ -391,7 +391,8 @@ TEST_F(RecordTest, ChosenFramesAreTheNearestSamples) {
   EXPECT_THAT(summary.files, Not(Contains("frames/frame_00001.png")));
   settings_.chosenFrames = {{7, record::FrameChoice::Unit::Seconds}};
   EXPECT_EQ(messageOfRecording(),
-            "--frames-at: 7 s is after the end of the run at 0.4 s; give times up to it, or shares "
+            "error: --frames-at: 7 s is after the end of the run at 0.4 s; give times up to it, or "
+            "shares "
             "such as 100%");
 }
 

@@ -140,7 +140,7 @@ TEST_F(SceneFileTest, RefusesTablesWithoutAKey) {
 
 TEST_F(SceneFileTest, ShowsForeignKeysShort) {
   const std::string message = refusal("\"\\n" + std::string(5000, 'k') + "\" = 1\n");
-  EXPECT_THAT(message, HasSubstr("error: unknown table ?kkk"));
+  EXPECT_THAT(message, HasSubstr("error: ?kkk"));
   EXPECT_LT(message.size(), 250U);
 }
 
@@ -162,11 +162,12 @@ TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
 
 TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   const auto entry = [&](const std::string& text) { return refusal("[[timeline]]\n" + text); };
-  const std::string no = "this value is not allowed; give ";
+  const std::string no = " is not allowed; give ";
   EXPECT_EQ(entry("at = -1\nquit = true\n"),
-            "scene.toml:2:6: error: " + no +
+            "scene.toml:2:6: error: -1" + no +
                 "a number of seconds, from 0 to 1e6, \"rest\" or \"target\"");
-  EXPECT_THAT(entry("at = \"resting\"\nquit = true\n"), HasSubstr("\"rest\" or \"target\""));
+  EXPECT_THAT(entry("at = \"resting\"\nquit = true\n"),
+              HasSubstr("error: \"resting\"" + no + "a number of seconds"));
   EXPECT_THAT(entry("at = nan\nquit = true\n"), HasSubstr(no));
   EXPECT_THAT(entry("pin = [1.5]\n"), HasSubstr(no + "a tile number"));
   EXPECT_THAT(entry("pin = [-1]\n"), HasSubstr(no + "a tile number"));
@@ -179,17 +180,18 @@ TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   EXPECT_THAT(entry("forces = true\n"), HasSubstr(no + "\"on\" or \"off\""));
   EXPECT_THAT(entry("quit = false\n"), HasSubstr(no + "true"));
   EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry has 1 times and 0 actions. It needs"));
-  EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"),
-              HasSubstr("has 2 times and 1 actions"));
+  EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"), HasSubstr("has 2 times and 1 actions"));
 }
 
 TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
   EXPECT_THAT(refusal("[model\nthickness = 1\n"),
               HasSubstr("scene.toml:1:7: error: this is not TOML"));
-  EXPECT_THAT(refusal("thickness = 1\n"), HasSubstr("unknown table thickness"));
+  EXPECT_THAT(refusal("thickness = 1\n"),
+              HasSubstr("thickness is in no table; write it below its table, such as [model]"));
   EXPECT_THAT(refusal("model = 1\n"), HasSubstr("give a table, [model]"));
   EXPECT_THAT(refusal("[model]\nthickness = 1979-05-27\n"),
-              HasSubstr("give a number, a text, true, false or an array"));
+              HasSubstr("error: a date or time is not allowed; give a number, a text, true, "
+                        "false or an array"));
   EXPECT_THROW(scene::readSceneFile(folder_ / "other.toml"), InputError);
 }
 
@@ -232,7 +234,7 @@ TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
   EXPECT_THAT(refusal("[[obstacle]]\nshape = \"sphere\"\nradius = 1\nsize = [1, 1, 1]\n"),
               HasSubstr("error: a sphere has no size. "));
   EXPECT_THAT(refusal("[[obstacle]]\nshape = \"box\"\nsize = [1, 0, 1]\n"),
-              HasSubstr("scene.toml:3:8: error: this value is not allowed; give three positive "
+              HasSubstr("scene.toml:3:8: error: [1, 0, 1] is not allowed; give three positive "
                         "lengths"));
   EXPECT_THROW(read("[[obstacle]]\nshape = \"mesh\"\nfile = \"no.obj\"\n"), InputError);
   EXPECT_THAT(refusal("[obstacle]\nshape = \"box\"\n"),
