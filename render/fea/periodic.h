@@ -27,9 +27,8 @@ struct SheetLattice {
 /// Finds the infinite sheet that has these tiles and joints as a cell: the translations that map
 /// the sheet to itself, and the joints that the border cuts. If the pattern does not repeat inside
 /// the cell, its straight ends must match edge by edge, and pairs of coinciding corners are joined.
-/// The x axis is parallel or perpendicular to a period. Of these directions it is the nearest to
-/// the sheet's own (findEndEdges). Tiles and corners are zero-based, in messages they count from
-/// `countsFrom`.
+/// The x axis is parallel or perpendicular to a translation, and the same for all cells of an
+/// infinite sheet. Tiles and corners are zero-based, in messages they count from `countsFrom`.
 ///
 /// Throws InputError if the border is not periodic, with the edge at which it fails, or if the
 /// corners to join are ambiguous. Lengths agree to 1e-5 of the sheet's size. Cost: the number of

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -66,6 +67,39 @@ TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
         EXPECT_NEAR(lattice.lengths[0] * lattice.lengths[1], columns * rows * side * side, 1e-9);
         const Vector3 along(std::cos(degrees * kDegree), std::sin(degrees * kDegree), 0);
         EXPECT_NEAR(lattice.axes.col(0).dot(along), 1, 1e-9);
+      }
+    }
+  }
+}
+
+// Skewed tiles in cells of any outline: x is parallel to sides of the tiles. The two sides of
+// rhombi are mirror images of each other. Of parallelograms in other rotations, y may be parallel
+// to the longer side, but for all cells alike.
+TEST(SheetLattice, StrainsEveryCellAlongTheSameAxes) {
+  for (const double skew : {17.0, 30.0, -30.0, 45.0}) {
+    for (const double length : {1.0, 1.5}) {
+      for (const double degrees : {0.0, 20.0, 35.0, 50.0, 137.0}) {
+        std::optional<Vector3> first;
+        for (const auto& [columns, rows] : {std::pair{2, 2}, {2, 4}, {4, 2}, {4, 4}, {6, 2}}) {
+          SCOPED_TRACE(testing::Message() << skew << " " << length << " " << degrees << " "
+                                          << columns << " x " << rows);
+          generate::TessellationShape shape = test::squares(columns, rows, 0);
+          shape.length = length;
+          shape.skew = skew * kDegree;
+          const model::Model model = turned(generate::makeTessellation(shape), degrees);
+          const Vector3 x = latticeOf(model).axes.col(0);
+          const auto side = [&](int edge) {
+            const std::vector<Vector3>& tile = model.tiles[0].vertices;
+            return std::abs((tile[edge + 1] - tile[edge]).normalized().dot(x));
+          };
+          if (length == 1) {
+            EXPECT_NEAR(std::max(side(0), side(1)), 1, 1e-9);
+            continue;
+          }
+          EXPECT_NEAR(std::abs(side(0) - 0.5), 0.5, 1e-9);
+          if (!first) first = x;
+          EXPECT_LT((x - *first).norm(), 1e-9);
+        }
       }
     }
   }
