@@ -27,14 +27,15 @@ MOVE = 0.004
 
 
 def read_dxf(path):
-    """Lines by layer: ((x, y), (x, y))."""
+    """Lines by layer: ((x, y), (x, y)), metres."""
     with open(path) as file:
         words = [line.strip() for line in file]
+    metre = {"4": 1000, "6": 1}[words[words.index("$INSUNITS") + 2]]
     layers, entity = collections.defaultdict(list), None
     for code, value in zip(words[::2], words[1::2]):
         if code == "0":
             if entity and entity.get("0") == "LINE":
-                ends = [float(entity[k]) for k in ("10", "20", "11", "21")]
+                ends = [float(entity[k]) / metre for k in ("10", "20", "11", "21")]
                 layers[entity["8"].lower()].append((tuple(ends[:2]), tuple(ends[2:])))
             entity = {}
         if entity is not None:
