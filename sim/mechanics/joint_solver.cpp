@@ -21,14 +21,14 @@ namespace kirireel::mechanics {
 // ------------------------------------------------------------------------------------------------
 // The step of the solver, in the plane and in space.
 
-/// How a step went that was tried.
+/// The result of trying a step.
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
 /// The end of a step with known velocities.
 struct StepEnd {
   Poses poses;              ///< empty until the velocities are found
-  Eigen::VectorXd closing;  ///< what closing the joints added to the move
-  bool jumped = false;      ///< that was more than it should be
+  Eigen::VectorXd closing;  ///< displacements that closed the joints
+  bool jumped = false;      ///< closing moved farther than kJumpShare allows
 };
 
 /// A plane of contacts with friction.
@@ -39,17 +39,17 @@ struct RubbedPlane {
   RubbingRegion region;         ///< where it rubs
 };
 
-/// The rows of a step's contacts, for the next step to begin with.
+/// The rows of a step's contacts. The next step starts with them.
 template <int D>
 struct KeptRows {
-  std::vector<ContactRow<D>> contacts;  ///< held, or planes of those that carried load
+  std::vector<ContactRow<D>> contacts;  ///< held contacts, else planes that carried load
   std::vector<ContactRow<D>> supports;
-  std::vector<ContactRow<D>> rubbing;  ///< of the contacts
-  double step = 1;  ///< seconds that their impulses refer to
+  std::vector<ContactRow<D>> rubbing;  ///< friction of the contacts
+  double step = 1;                     ///< length of the step of these impulses, s
 };
 
-/// The joint solver in D degrees of freedom a brick. The functions are described where they are
-/// defined; they are listed in the order of a step.
+/// The joint solver with D degrees of freedom per brick. The functions are in the order of a step.
+/// Comments are at their definitions.
 template <int D>
 class Stepper : public JointSolver {
  public:
@@ -142,30 +142,30 @@ class Stepper : public JointSolver {
   StepReport report_;
   std::vector<bool> pinned_;
 
-  // The step in work.
+  // The current step.
   std::vector<brick::Load> loads_;
-  bool isShortest_ = false;    // it will not be halved, and discontinuities are accepted
-  Vector startSpeed_;          // velocities where it starts
-  StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
-  double multiplierStep_ = 1;  // seconds that these refer to
+  bool isShortest_ = false;    // it is not halved, and discontinuities are accepted
+  Vector startSpeed_;          // velocities at its start
+  StepProgram<D> program_;     // for its velocities; starts from the multipliers of the last step
+  double multiplierStep_ = 1;  // length of the step of these multipliers, s
   StepEnd end_;
   KeptRows<D> kept_;
   Standstill standstill_;
 };
 
 // ------------------------------------------------------------------------------------------------
-// A step: loads, velocities that joints and contacts allow, poses, closing, and what becomes of a
-// step that fails. See JointSolver for the equations.
+// A step: loads, velocities that joints and contacts allow, poses, closing, and the treatment of
+// failed steps. See JointSolver for the equations.
 
 namespace {
 
-// All lengths are in length scales, all speeds in length scales a second.
-constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
-constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, the same
-constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
-constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
-constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
-constexpr double kRecovery = 2e-6;               // overlap taken back in a step
+// Lengths are in length scales, speeds in length scales per second.
+constexpr double kSpeedTolerance = 1e-10;  // of joint rows, times the speed of the fastest brick
+constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, times the same
+constexpr double kChangeTolerance = 1e-6;        // of all rows in a round
+constexpr double kSlow = 1e-3;                   // least speed in these tolerances
+constexpr double kWorkTolerance = 1e-6;          // of impulses, times the work of the loads
+constexpr double kRecovery = 2e-6;               // largest correction of an overlap in a step
 constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
 constexpr double kWorkOfPair = 1000;             // cost of checking a pair, in multiplications
 constexpr int kHalvings = 8;
@@ -173,20 +173,20 @@ constexpr int kContactHalvings = 5;
 // Exact joints mostly need one or two rounds, singular states a few more.
 constexpr int kMultiplierRounds = 6;
 constexpr int kContactRounds = 25;
-// Bounds of friction that change by less than this part are settled.
+// Bounds of friction have converged if they change by less than this fraction.
 constexpr double kBoundTolerance = 1e-7;
 constexpr int kFrictionRounds = 20;
-constexpr double kTouching = 1e-6;  // gap of points that rub
-// Of forces between pairs: Newton steps in a step, the speed that they leave, and the least part of
-// one.
+constexpr double kTouching = 1e-6;  // largest gap of points with friction
+// Newton's method for forces between pairs: most rounds, relative change of speed at its end, and
+// smallest fraction of a Newton step.
 constexpr int kPairRounds = 20;
 constexpr double kPairTolerance = 1e-8;
 constexpr double kLeastShare = 1e-6;
 
 }  // namespace
 
+// Skips a step that would only repeat a standstill.
 template <int D>
-// A step that would only repeat a standstill is answered without a try.
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
                                brick::ContactSource* contacts) {
   contactSource_ = contacts;
@@ -212,8 +212,8 @@ void Stepper<D>::setJointStiffness(double stiffness) {
   standstill_.forget();
 }
 
-/// `warm`: whether to begin with the contacts of the part before. Those that a step failed with may
-/// have been the wrong ones: its first half begins without.
+/// `warm`: whether to start with the contacts of the previous part. The first half of a failed step
+/// starts without them, because they may have caused the failure.
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& loads, int level,
                                 bool warm) {
@@ -236,7 +236,7 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
-    // At a singular state, closing may leave no motion that the loads pay for.
+    // At a singular state, the energy of the loads may not suffice for any motion.
     if (end_.jumped && program_.x.isZero(0)) {
       standstill_.recordStandstill();
     } else {
@@ -248,12 +248,12 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
   finishStep(motion);
 }
 
-/// Sets the system and the program to a step under the loads at hand.
+/// Sets up the system and the program for a step under the current loads.
 template <int D>
 void Stepper<D>::beginStep(const Motion& start, double step) {
   system_.setStep(start, loads_, step, jointStiffness_);
   if (!program_.exactJoints) {
-    // The spring at the step's end, k (gap + h J u), is that of a multiplier that does not move.
+    // A constant multiplier represents the spring force k (gap + h J u) at the step's end.
     program_.multipliers = -system_.kappa() / step * system_.jointGaps(start.poses);
   }
   program_.force = system_.force();
@@ -263,21 +263,21 @@ void Stepper<D>::beginStep(const Motion& start, double step) {
   }
 }
 
+/// A step from its start: loads, system, contacts of the last step.
 template <int D>
-// The step as a whole from its start: loads, system, contacts of before.
 StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSource& loads,
                                 bool warm) {
   end_.poses.clear();
   loads(start.poses, loads_);
   beginStep(start, step);
-  // Without the contacts of before, the joints' impulses against them would do work.
+  // Without the contacts of the last step, the impulses of joints that balance them would do work.
   if (!warm && contactSource_) program_.multipliers.setZero();
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
   return solveContactRounds(start.poses, step);
 }
 
-/// Solves the step, finds new contacts, and repeats until there are none.
+/// Solves the step, adds new contacts, and repeats until there are no new ones.
 template <int D>
 StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
@@ -298,7 +298,7 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   return StepOutcome::Overlapping;
 }
 
-/// Adds rows for contacts that have none yet. Returns whether there were any.
+/// Adds rows for new contacts. Returns whether it added any.
 template <int D>
 bool Stepper<D>::appendRows(const std::vector<brick::Contact>& found, const Poses& start,
                             double step) {
@@ -315,8 +315,9 @@ bool Stepper<D>::appendRows(const std::vector<brick::Contact>& found, const Pose
   return program_.contacts.size() > before;
 }
 
-/// The planes with friction of all contacts that are held, or else those that push without rows
-/// that rub. They rub where points touch, or push; all do of contacts that are held.
+/// The planes of contacts with friction: of all held contacts, otherwise of pushing contacts that
+/// have no friction rows yet. The region of friction has the points that touch or push. Held
+/// contacts always touch.
 template <int D>
 std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHeld) const {
   std::vector<RubbedPlane> planes;
@@ -337,15 +338,15 @@ std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHe
           brick::contactGap(row->contact, poses) <= kTouching * settings_.lengthScale;
       if (touches) touching.push_back(plane.points.back());
     }
-    // In the plane friction acts along one line wherever the points are.
+    // In planar motion friction acts along one line for any points.
     if (D == 6 && !touching.empty()) plane.region = RubbingRegion(touching, plane.normal);
     planes.push_back(std::move(plane));
   }
   return planes;
 }
 
-/// Appends the rows that rub for the contacts of a plane. They represent an even pressure. None if
-/// nothing pushes.
+/// Appends the friction rows of a plane. They represent an even pressure. Appends nothing without
+/// pressure.
 template <int D>
 void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
                                std::vector<Row>& rows) const {
@@ -378,7 +379,7 @@ void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
   }
 }
 
-/// Contacts that were just found to push begin to rub. Returns whether there were any.
+/// Adds friction to contacts that have begun to push. Returns whether there were any.
 template <int D>
 bool Stepper<D>::boundNewFriction(const Poses& start) {
   std::vector<Row> found;
@@ -391,7 +392,7 @@ bool Stepper<D>::boundNewFriction(const Poses& start) {
   return !found.empty();
 }
 
-/// Begins with the planes that carried load in the last step and still hold.
+/// Starts with the planes that carried load in the last step and still exist.
 template <int D>
 void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   program_.contacts.clear();
@@ -411,7 +412,7 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
     }
     first = last;
   }
-  // Friction that acts from the start: its bound is that of the last step.
+  // The friction of these planes starts with the bound and the impulse of the last step.
   if (!boundNewFriction(start)) return;
   auto old = kept_.rubbing.begin();
   for (Row& row : program_.contacts) {
@@ -426,14 +427,14 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
 template <int D>
 void Stepper<D>::carryOver(const Row& old, const Poses& start, double step) {
   Row row = contactRow(old.contact, start, step);
-  // Multipliers are impulses: they go with the length of the step.
+  // Multipliers are impulses, proportional to the length of the step.
   row.multiplier = step / kept_.step * old.multiplier;
   row.active = row.multiplier > 0;
   program_.contacts.push_back(row);
 }
 
-/// Adds the corners that a region of the last step has now. Each of its impulses goes to the
-/// nearest of them.
+/// Adds the current corners of a region of the last step. Each impulse of the region moves to the
+/// nearest corner.
 template <int D>
 void Stepper<D>::carryRegionOver(const Row* first, const Row* last, const Poses& start,
                                  double step) {
@@ -487,7 +488,7 @@ ContactRow<D> Stepper<D>::contactRow(const brick::Contact& contact, const Poses&
   return row;
 }
 
-/// No contact moves a pinned brick.
+/// Clears the rows of pinned bricks, which no contact moves.
 template <int D>
 void Stepper<D>::holdPinned(Row& row) const {
   const auto isHeld = [&](int body) { return brick::isBrick(body) && pinned_[body]; };
@@ -501,7 +502,7 @@ void Stepper<D>::holdPinned(Row& row) const {
   }
 }
 
-/// Finds the velocities of the step under the contacts at hand.
+/// Finds the velocities of the step with the current contacts.
 template <int D>
 bool Stepper<D>::solveVelocities(const Poses& start) {
   system_.placeJoints(start);
@@ -516,13 +517,14 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
                          report.contactChange <= kContactSpeedTolerance * speed;
     if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
   }
-  return true;  // the gap after closing decides the rest
+  return true;  // the gap after closing shows whether the step is good
 }
 
-/// Finds the velocities of the step with the forces between pairs of its end: Newton's method from
-/// rest, each step cut until what is minimised falls. A step gains no energy however stiff
-/// ligaments are. Joints and contacts allow all velocities between two that they allow; joints that
-/// give are not in what is minimised, and steps are whole beside them.
+/// Finds the velocities of the step with the pair forces at its end. Newton's method minimises the
+/// potential from rest. Each Newton step is halved until the potential decreases, so a step gains
+/// no energy for any stiffness of ligaments. The halved step is allowed, because the velocities
+/// that joints and contacts allow form a convex set. Compliant joints are not part of the
+/// potential. Newton steps are then complete.
 template <int D>
 bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
   if (!system_.hasPairBlocks()) return solveVelocities(start);
@@ -548,10 +550,11 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
   return true;
 }
 
-/// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
-/// there is. Impulses that have not converged when the rounds end may do some. Returns the largest
-/// share of the velocities that has the work for it: 1 if they have converged, if joints give, and
-/// without contacts, where joints converge in shorter steps.
+/// Joints and contacts do no work on the bricks, so x.Ax (the energy of the motion) is at most x.f
+/// (the available energy). Impulses that have not converged may violate this. Returns the largest
+/// fraction of the velocities for which the energy suffices, [0, 1]. It is 1 if impulses have
+/// converged, with compliant joints, and without contacts, because joints converge in shorter
+/// steps.
 template <int D>
 double Stepper<D>::shareWithWork() const {
   if (program_.contacts.empty() || !program_.exactJoints) return 1;
@@ -564,24 +567,24 @@ double Stepper<D>::shareWithWork() const {
   return cost - means > allowed ? std::max(0.0, means / cost) : 1;
 }
 
-/// If bricks jam, impulses may not converge: then all bricks move slower, which joints and contacts
-/// allow, as they allow rest.
+/// Slows all bricks if impulses do not converge, as among jammed bricks. Joints and contacts allow
+/// this, because they also allow rest.
 template <int D>
 void Stepper<D>::limitWork() {
   const double share = shareWithWork();
   if (share < 1) program_.x *= share;
 }
 
+/// Moves all poses by displacements, D coordinates per brick.
 template <int D>
-// Moves all poses by displacements in D coordinates each.
 void Stepper<D>::displace(const Vector& move) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     Space::displace(end_.poses[i], move.segment<D>(D * i));
   }
 }
 
-/// Keeps the impulses, of contacts by whole planes: a plane that carries load somewhere may do so
-/// elsewhere in the next step.
+/// Stores the impulses for the next step. Planes with load are stored with all their points,
+/// because the load may move to other points.
 template <int D>
 void Stepper<D>::keepMultipliers(double step) {
   kept_.step = multiplierStep_ = step;
@@ -601,10 +604,11 @@ void Stepper<D>::keepMultipliers(double step) {
   }
 }
 
-/// What dampers take along the step, and contacts: an impulse times the mean of the velocities before
-/// and after (Kelvin). Contacts that are held take only friction, as their points do not approach.
-/// Where joints alone hold a contact too, the impulses of both are arbitrary and cancel in their sum:
-/// impacts take at most what the impulses of all joints and contacts do.
+/// Adds the energy that dampers and contacts dissipate in the step. A contact dissipates its
+/// impulse times the mean of the velocities before and after (Kelvin). Held contacts dissipate by
+/// friction only, because their points do not approach each other. If joints also hold the points
+/// of a contact, single impulses are arbitrary, and only their sum is known. Impacts therefore
+/// dissipate at most the work of all impulses.
 template <int D>
 void Stepper<D>::countLosses(double step, bool areHeld) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -625,7 +629,7 @@ void Stepper<D>::countLosses(double step, bool areHeld) {
   report_.impacted += std::clamp(impacts, 0.0, std::max(0.0, all - friction));
 }
 
-/// Writes the new state; angular momentum, not angular velocity, is carried across the turn.
+/// Writes the new state. The rotation of the step keeps the angular momentum of each brick.
 template <int D>
 void Stepper<D>::finishStep(Motion& motion) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -691,7 +695,7 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   return forces;
 }
 
-/// Adds the momentum and the work that the loads give in a step with the program's velocities.
+/// Adds the momentum and the work of the loads in a step with the program's velocities.
 template <int D>
 void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -708,8 +712,8 @@ void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const
   given.work -= system_.dampedBySprings(step, program_.x) + report_.impacted;
 }
 
-template <int D>
 // Contacts that were held already keep their impulses.
+template <int D>
 void Stepper<D>::holdContacts(const std::vector<brick::Contact>& contacts) {
   std::vector<Row> held;
   for (const brick::Contact& contact : contacts) {
@@ -738,7 +742,7 @@ std::vector<brick::Contact> Stepper<D>::pushingContacts() const {
   return contacts;
 }
 
-/// The rows of the contacts that are held. They begin with the impulses of the step before.
+/// Adds the rows of the held contacts. They start with the impulses of the last step.
 template <int D>
 void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
   program_.contacts.clear();
@@ -751,7 +755,7 @@ void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
     row.active = row.multiplier > 0;
     program_.contacts.push_back(std::move(row));
   }
-  // Those that rub are in the order of the planes.
+  // Friction rows are in the order of the planes.
   auto plane = kept_.contacts.begin();
   double push = 0;
   for (auto old = kept_.rubbing.begin(); old != kept_.rubbing.end(); ++old) {
@@ -803,8 +807,8 @@ double Stepper<D>::stickSlipSpeed(const Motion& start) const {
   return fastest;
 }
 
-/// Finds velocities under friction that is in force with its own normal impulses, not with those of
-/// a step before. One more round of multipliers than speeds need makes impulses as exact as those.
+/// Finds velocities with friction bounds that follow from the normal impulses of this step instead
+/// of the last one. One additional round of multipliers makes impulses as accurate as speeds.
 template <int D>
 bool Stepper<D>::solveWithFriction(const Poses& start) {
   const std::vector<RubbedPlane> planes = planesThatRub(start, true);
@@ -817,8 +821,8 @@ bool Stepper<D>::solveWithFriction(const Poses& start) {
   return true;
 }
 
-/// Sets where contacts rub, and the bounds of their friction, by what they carry. Returns whether
-/// any changed. Rows that rub are the last ones.
+/// Sets points and bounds of friction from the normal impulses. Returns whether any changed.
+/// Friction rows are the last ones.
 template <int D>
 bool Stepper<D>::boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses) {
   std::vector<Row>& rows = program_.contacts;
@@ -849,7 +853,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   const int before = system_.factorizations();
   const double workBefore = system_.work();
   loads(motion.poses, loads_);
-  // Multipliers are impulses: they go with the length of the step.
+  // Multipliers are impulses, proportional to the length of the step.
   program_.multipliers *= step / multiplierStep_;
   multiplierStep_ = step;
   beginStep(motion, step);
@@ -908,16 +912,16 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<brick::Brick>& br
 }
 
 // ------------------------------------------------------------------------------------------------
-// When a step of jammed bricks need not be tried. A step in which no brick moved is a function of
-// its motion, loads and length. With the same three, to the last bit, it would end in the same way:
-// it is answered without a try. It ended at rest: a step that begins with any speed is another.
-// Halving is expensive (2^8 parts): after a failure it is allowed only in every tenth step.
+// Skipped steps of jammed bricks. The result of a step without motion depends on its initial
+// motion, loads and length. If all three are the same to the last bit, so is the result, and the
+// step is skipped. It ended at rest, so a step with an initial speed is never skipped. Halving is
+// expensive (2^8 parts). After a failure it is allowed only in every tenth step.
 
 namespace {
 
 constexpr int kPatience = 10;  // consecutive steps without motion before halving is tried again
 
-// Exact comparison on purpose: any difference is a change.
+// Compares exactly: any difference is a change.
 bool areEqual(const Pose& a, const Pose& b) {
   return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
 }
@@ -939,12 +943,12 @@ bool areAtRest(const std::vector<Velocity>& velocities) {
 
 }  // namespace
 
-// Returns whether to try a step. `motion`, `loads` and `seconds` are what it begins with.
+// Returns whether to try the step of `seconds` from this motion with these loads.
 bool Standstill::beginStep(const Motion& motion, const std::vector<brick::Load>& loads,
                            double seconds) {
   const bool mayHalve = steps_ % kPatience == 0;
-  // Inputs are the same and the last answer was "no motion". It would differ only if halving were
-  // allowed now and had not been allowed then.
+  // With the same inputs the step has no motion again, unless halving is allowed now and was not
+  // then.
   if (isWhole() && isAsBefore(motion, loads, seconds) && (halved_ || !mayHalve)) {
     ++steps_;
     return false;
@@ -956,8 +960,8 @@ bool Standstill::beginStep(const Motion& motion, const std::vector<brick::Load>&
   return true;
 }
 
-// Notes the outcome. Poses and loads are kept only where no brick moved, since another step cannot
-// be the same.
+// Stores the outcome. Poses and loads are stored only if no brick moved, since other steps are
+// never skipped.
 void Standstill::endStep(const Poses& poses, const std::vector<brick::Load>& loads) {
   steps_ = stood_ ? steps_ + 1 : 0;
   halved_ = mayHalve_;
@@ -968,7 +972,7 @@ void Standstill::endStep(const Poses& poses, const std::vector<brick::Load>& loa
   loads_ = loads;
 }
 
-// The order of the comparisons is by their cost.
+// Cheap comparisons are first.
 bool Standstill::isAsBefore(const Motion& motion, const std::vector<brick::Load>& loads,
                             double seconds) const {
   return seconds == seconds_ && areAtRest(motion.velocities) && areEqual(motion.poses, poses_) &&
@@ -980,22 +984,22 @@ void Standstill::transfer(StateTape& tape) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Closing joints: Gauss-Newton steps on the gaps, in the metric of the step (whose factor is at
-// hand) or of the masses, from the end of a step or any open state. What it costs is paid from the
-// speed.
+// Closing joints by Gauss-Newton steps on the gaps, from the end of a step or from any open state.
+// The metric is that of the step (whose factor is available) or that of the masses. The energy of
+// closing is taken from the kinetic energy.
 
 namespace {
 
-// All lengths are in length scales.
-constexpr double kGapTolerance = 1e-12;     // closing aims at this
-constexpr double kGapAccepted = 1e-10;      // and a step is good below this
-constexpr double kOverlapTolerance = 1e-9;  // overlap of a contact in work that counts as none
-constexpr double kJumpShare = 0.3;          // of what the step moved: so far may closing move
+// Lengths are in length scales.
+constexpr double kGapTolerance = 1e-12;     // requested gap of closing
+constexpr double kGapAccepted = 1e-10;      // largest gap of a good step
+constexpr double kOverlapTolerance = 1e-9;  // smaller overlaps of contacts are not corrected
+constexpr double kJumpShare = 0.3;          // most displacement of closing, times that of the step
 constexpr double kJumpFloor = 1e-9;
-constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
-constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
-// A factor serves the next move too, where gaps are small and a move leaves less of them. Wide gaps
-// want each its own: else the moves are together longer than they need to be.
+constexpr double kBend = 0.01;        // below this fraction closing only follows a curved path
+constexpr double kForeseeable = 0.1;  // largest ratio of closing moves for extrapolation
+// A factor is used again for the next move if gaps are small and the move reduced them by
+// kFactorKept. With wide gaps, old factors would make the total displacement longer.
 constexpr double kSmallGap = 1e-2;
 constexpr double kFactorKept = 0.03;
 constexpr int kClosingRounds = 12;
@@ -1008,9 +1012,9 @@ double largestOf(const Eigen::VectorXd& gaps) {
 
 }  // namespace
 
-/// Moves to the step's end and closes the joints there: with the contacts that push held, or, where
-/// that fails (compact states leave them no room), without. Returns whether the joints closed
-/// without changing to another branch.
+/// Moves to the step's end and closes the joints there. Pushing contacts keep their gaps. If this
+/// fails, as in compact states, it closes the joints without contacts. Returns whether the joints
+/// closed without changing to another branch.
 template <int D>
 bool Stepper<D>::moveAndClose(const Poses& start, double step) {
   end_.poses = start;
@@ -1024,12 +1028,11 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
   return system_.factor({}) && closeJoints({}, step);
 }
 
-/// The energy that a step has at its end, closing included, is at most that at its start: what
-/// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
-/// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
-/// Where closing jumps among bricks that may touch, the state is singular: not all velocities that
-/// joints allow are the beginning of a motion, and what moves the bricks to the closed state
-/// becomes their velocity.
+/// Limits the energy at the end of a step, including closing, to the energy at its start. The
+/// excess is taken from the bricks' speed. If the speed does not suffice, the bricks do not move.
+/// On a smooth path closing does no net work, and the speed is unchanged. If closing jumps among
+/// bricks that may touch, the state is singular: some velocities that the joints allow do not begin
+/// a motion. The displacement of closing then counts as part of the velocity.
 template <int D>
 void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
   const bool isSingular = contactSource_ && end_.jumped;
@@ -1054,7 +1057,7 @@ void Stepper<D>::standStill(const Poses& start) {
   program_.x.setZero();
 }
 
-/// The pairs of bricks that joints, forces or contacts of the step in work connect.
+/// The pairs of bricks that joints, forces or contacts of the current step connect.
 template <int D>
 std::vector<std::pair<int, int>> Stepper<D>::pairsThatHold() const {
   std::vector<std::pair<int, int>> pairs;
@@ -1069,10 +1072,9 @@ std::vector<std::pair<int, int>> Stepper<D>::pairsThatHold() const {
   return pairs;
 }
 
-/// A step in which bricks that are connected keep their places against each other: joints and the
-/// contacts among them always allow the motions of the whole. The velocities before it lose, as in
-/// a plastic impact, what moves them against each other. Returns false, and changes nothing, if all
-/// pieces are pinned or at rest without a load to move them, or if there are as many as bricks.
+/// Makes a step in which connected bricks move as one rigid piece, which joints and contacts always
+/// allow. Relative velocities within a piece are lost, as in a plastic impact. Returns false and
+/// changes nothing if all pieces are pinned, if none moves, or if each brick is a piece.
 template <int D>
 bool Stepper<D>::moveAsPieces(Motion& motion, double step, const LoadSource& loads) {
   const RigidPieces pieces(bricks_, motion.poses, pairsThatHold());
@@ -1113,11 +1115,11 @@ bool Stepper<D>::moveAsPieces(Motion& motion, double step, const LoadSource& loa
   return true;
 }
 
-/// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
-/// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
-/// of the step's start, moves shrink by a steady ratio; what follows the last one is extrapolated
-/// from it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations
-/// with Newton's Method", 4.2).
+/// Gauss-Newton on the joints' gaps with the current factor: the smallest displacement in the
+/// metric A for which pushing contacts keep their gaps. The first rounds also correct overlaps.
+/// Since the factor is that of the step's start, moves decrease by a constant ratio, and the
+/// remaining ones are extrapolated (Broyden's good update with a memory of one: Kelley 2003,
+/// "Solving Nonlinear Equations with Newton's Method", 4.2).
 template <int D>
 bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
@@ -1165,7 +1167,7 @@ Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Ro
   return move;
 }
 
-/// The move together with those that would follow it, if each is to the next as the last is to it.
+/// The sum of this move and of all later ones, if they decrease by the ratio of the last two.
 template <int D>
 Eigen::VectorXd Stepper<D>::extrapolated(const Vector& move, const Vector& lastMove) const {
   const double square = product(lastMove, lastMove);
@@ -1173,7 +1175,7 @@ Eigen::VectorXd Stepper<D>::extrapolated(const Vector& move, const Vector& lastM
   return std::abs(ratio) < kForeseeable ? Vector(move / (1 - ratio)) : move;
 }
 
-/// How far a contact falls short of the gap that it aims at, metres.
+/// The requested gap of a contact minus its gap, metres, >= 0.
 template <int D>
 double Stepper<D>::overlap(const Row& row) const {
   return std::max(0.0, row.aim - brick::contactGap(row.contact, end_.poses));
@@ -1186,7 +1188,8 @@ bool Stepper<D>::anyOverlap(const std::vector<Row>& contacts) const {
   });
 }
 
-/// Scalar product of two moves of all bricks, turns counted at one length scale from the centre.
+/// Scalar product of two moves of all bricks, m^2. Rotations count as displacements at a distance
+/// of one length scale from the centre.
 template <int D>
 double Stepper<D>::product(const Vector& a, const Vector& b) const {
   double sum = 0;
@@ -1204,7 +1207,8 @@ double Stepper<D>::norm(const Vector& move) const {
   return std::sqrt(product(move, move));
 }
 
-/// Takes from the velocities, in the metric of the masses, what joints and held contacts forbid.
+/// Projects the velocities, in the metric of the masses, onto those that joints and held contacts
+/// allow.
 template <int D>
 bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   const Vector warm = program_.multipliers;
@@ -1253,7 +1257,7 @@ double Stepper<D>::assemble(Poses& poses) {
   return closeGaps(poses, {});
 }
 
-/// The largest gap of joints, whose gaps are given, and of these contacts.
+/// The largest of the given joint gaps and of the gaps of these contacts, metres.
 template <int D>
 double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
   double largest = largestOf(gaps);
@@ -1263,7 +1267,7 @@ double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) 
   return largest;
 }
 
-/// Factors the masses with the joints and these contacts, where the bricks are.
+/// Factors the masses with the joints and these contacts at the current poses.
 template <int D>
 bool Stepper<D>::factorMasses(std::vector<Row>& held) {
   system_.setMasses(end_.poses);
@@ -1277,8 +1281,8 @@ bool Stepper<D>::factorMasses(std::vector<Row>& held) {
   return system_.factor(held);
 }
 
-/// Closes the joints and the gaps of these contacts, moving the bricks as little as their masses
-/// allow. Returns the largest gap left.
+/// Closes the joints and the gaps of these contacts by the smallest displacement in the metric of
+/// the masses. Returns the largest remaining gap, metres.
 template <int D>
 double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   const double scale = settings_.lengthScale;

@@ -153,18 +153,17 @@ class JointSolver {
   virtual void transfer(StateTape& tape) = 0;
 };
 
-/// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are
-/// taken once.
-/// `bricks` must outlive the solver. Ligaments ask for a planar scene.
+/// A solver for these bricks and pivots. The pivots on both faces of a planar scene coincide and
+/// count once. `bricks` must outlive the solver. Ligaments need a planar scene.
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<brick::Brick>& bricks,
                                              std::span<const brick::Pivot> pivots,
                                              const JointSolverSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
-// Bricks that jam and do not move: which steps need not be tried again.
+// Jammed bricks: steps that can be skipped.
 
-/// Follows the steps of a solver in which bricks do not move because no step that was tried keeps
-/// its tolerances. As long as nothing changes, another try ends as the last one did.
+/// Records steps of a solver in which no brick moves because no trial keeps its tolerances. Another
+/// trial has the same result as long as nothing changes.
 class Standstill {
  public:
   /// Whether no brick moved in the last step.
@@ -215,10 +214,10 @@ struct Reactions {
   /// One per pivot: on its brick A, newtons; brick B gets the opposite. Zero for the upper pivots
   /// of a planar scene, which coincide with the lower ones.
   std::vector<Vector3> pivotForces;
-  /// One a brick: the force (N) and the torque about its centre of mass (N m) of what pins it; zero
-  /// where nothing does.
+  /// One per brick: force (N) of its pin, and torque (N m) about its centre of mass; zero without a
+  /// pin.
   std::vector<Vector6> pinForces;
-  /// The largest force that is left unbalanced on any brick, newtons: rounding.
+  /// The largest unbalanced force on any brick, by rounding, newtons.
   double imbalance = 0;
 };
 
@@ -227,11 +226,11 @@ class ReactionSolver {
  public:
   virtual ~ReactionSolver() = default;
 
-  /// The forces in a state of motion under what is applied to each brick, force and torque about
-  /// its centre of mass, contacts included. Where joints are redundant there are many that keep the
-  /// balance; these have the least sum of squares, which is what equally stiff joints carry in the
-  /// limit. `pinned`: one entry per brick. `jointStiffness` in N/m makes joints springs, whose
-  /// forces follow from their gaps; infinity makes them exact.
+  /// The reactions to the forces and torques (about the centre of mass) that are applied to each
+  /// brick, contacts included. If joints are redundant, many reactions are in equilibrium. The
+  /// result has the least sum of squares: it is the limit of equally stiff joints. `pinned`: one
+  /// entry per brick. `jointStiffness` in N/m makes joints springs, whose forces follow from their
+  /// gaps; infinity makes them exact.
   virtual Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                           const std::vector<bool>& pinned, double jointStiffness) = 0;
 
