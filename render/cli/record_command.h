@@ -23,16 +23,16 @@ namespace kirireel::cli {
 // ------------------------------------------------------------------------------------------------
 // The fingerprint of an order to record.
 
-/// The settings of a run after parsing and completion, in one spelling. Both texts are UTF-8 if all
-/// names are.
+/// The settings of a run after parsing and completion, in one spelling. UTF-8 if the names of files
+/// are.
 struct OrderText {
   std::string scene;  ///< a scene file for the same run; file names as given
-  std::string terms;  ///< inputs of the result: the command, and the scene without these names
+  std::string terms;  ///< for the fingerprint: the command, and the scene without file names
 };
 
 /// Every effective option of a command in this scene with its current value, whether given or
-/// default, and the scene file's timeline and obstacles. Call it after parsing. `scene` has all
-/// settings. It is used to find options without effect.
+/// default, and the scene file's timeline and obstacles. Call it after parsing. `scene` with all
+/// settings shows which options have an effect.
 OrderText orderText(CLI::App& command, const scene::Scene& scene,
                     const scene::SceneFile& sceneFile);
 

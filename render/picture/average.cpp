@@ -1,6 +1,6 @@
 // A pixel is the mean of its samples, 2 across and 2 or 3 down. Samples hold premultiplied colours:
-// c a / 255 for a channel c and alpha a, both 0 to 255. So their sum is weighted by alpha by
-// itself, and a pixel with straight alpha has
+// c a / 255 for a channel c and alpha a, both 0 to 255. Their sum is already weighted by alpha. A
+// pixel with straight alpha has
 //
 //     alpha = mean of a,    c = 255 sum(c a / 255) / sum(a).
 //

@@ -85,7 +85,7 @@ TurningField rhombicField(const std::string& family, const Lattice& lattice, dou
     for (const DesiredPoint& point : desired) {
       addDesiredPoint(equations.desired, unknowns, field, point.corner, angle, point.point);
     }
-    // Keeps small what the corners do not determine.
+    // Constants that the corners do not determine stay small.
     unknowns.addConstants(equations.desired, field, zero, 1e-2);
   };
   FitSettings settings;

@@ -22,7 +22,7 @@ namespace kirireel::mechanics {
 namespace {
 
 // These constants are those of the SEULEX code and its description, except for kFirst, kShortest,
-// kRejections and kCaught, which were chosen here.
+// kRejections and kSticking, which were chosen here.
 constexpr int kFewestRows = 2;
 constexpr int kMostRows = 8;  // with more rows, rounding errors dominate
 // Safety factors of the step length, and limits of its change.
@@ -39,7 +39,7 @@ constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
 // Energy error allowed in one of the longest steps, as a fraction of the tolerance.
 constexpr double kEnergyPart = 0.1;
-constexpr double kCaught = 0.4;  // length of the next attempt if sliding ends within a step
+constexpr double kSticking = 0.4;  // length of the next attempt if sliding ends within a step
 constexpr double kSameStepTime = 1e-9;
 // Joints count as closed below this fraction of a length scale.
 constexpr double kClosedGap = 1e-10;
@@ -47,9 +47,9 @@ constexpr double kClosedGap = 1e-10;
 // Rounding of an energy difference, over its change by the last digit of all positions. The weights
 // of extrapolation rows add up to a hundred and more.
 constexpr double kRoundings = 200;
-// Where rounding keeps errors above the tolerance, it is raised by this factor at a time, at most
-// to the root of the last digit times those weights. It falls again after steps with less than this
-// part of the allowed error.
+// If rounding keeps errors above the tolerance, the tolerance rises by kSlackStep per attempt, up
+// to kRounding times the weights. It falls again after a step with an error below kEasy of the
+// allowed one.
 constexpr double kSlackStep = 10;
 constexpr double kRounding = 1e-6;
 constexpr double kEasy = 0.05;
@@ -314,16 +314,17 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
   }
 }
 
-/// Adds what the step was allowed beyond the tolerance.
+/// Adds the errors that rounding allowed this step beyond the tolerance.
 void Extrapolation::countRounding(const Trial& trial, StepReport& report) const {
   report.rounding += (slack_ - 1) * settings_.tolerance * settings_.lengthScale;
   const double allowed = allowedEnergy(trial, mostEnergy_);
   report.energyRounding += std::max(allowed, energyRounding_) - allowed / slack_;
 }
 
-/// Unknown distance to rest of points that slide at the step's start and stick at its end, in
-/// tolerances. If the rows are too coarse, all stick immediately and give no estimate.
-double Extrapolation::caughtError(const Trial& trial) const {
+/// Error of points that slide at the step's start and stick at its end, in tolerances: half the
+/// distance at their initial speed. Rows that are too coarse cannot estimate it, because all of
+/// them stick immediately.
+double Extrapolation::stickingError(const Trial& trial) const {
   return 0.5 * trial.length * solver_.stickSlipSpeed(trial.start) /
          (tolerance() * settings_.lengthScale);
 }
@@ -370,8 +371,8 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
         std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameStepTime);
     Trial trial{motion, seconds / std::max(1.0, parts), energy, 0, {}, {}};
     const bool isSmooth = tryOrders(trial, loads, report);
-    const double caught = isSmooth ? caughtError(trial) : 0;
-    if (isSmooth && caught <= 1) {
+    const double sticking = isSmooth ? stickingError(trial) : 0;
+    if (isSmooth && sticking <= 1) {
       isRefused = !finish(trial, mayTake);
       if (isRefused) break;
       chooseNext(trial, tries > 0);
@@ -383,7 +384,7 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
     }
     ++report.rejected;
     if (isSmooth) {
-      length_ = kCaught * trial.length;
+      length_ = kSticking * trial.length;
     } else {
       chooseAgain(trial);
     }

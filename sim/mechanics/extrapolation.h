@@ -87,7 +87,7 @@ class Extrapolation {
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
-  double caughtError(const Trial& trial) const;
+  double stickingError(const Trial& trial) const;
   void countLosses(const Trial& trial, StepReport& report) const;
   void keepMomentum(const Trial& trial, Motion& motion) const;
   void chooseNext(const Trial& trial, bool wasRejected);

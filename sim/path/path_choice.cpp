@@ -58,8 +58,8 @@ constexpr double kCoarseSteps = 4;
 constexpr double kImprovement = 0.995;
 constexpr double kPatienceSeconds = 2;
 
-// Maximum joint opening on such a path, in tiles. Wider joints could let bricks slip past each
-// other.
+// Maximum opening of compliant joints on a path, in tiles. Wider joints could let bricks slip past
+// each other.
 constexpr double kOpeningShare = 1e-2;
 // A trial may use this fraction of the remaining budget. If bricks jam, steps are halved
 // repeatedly.
@@ -70,7 +70,8 @@ constexpr double kNearer = 0.99;
 
 // Duration of the test for jammed exact joints, seconds.
 constexpr double kJamTime = 0.5;
-// They jam if most steps, and at least this many, failed at the shortest length (two whole steps).
+// Joints are jammed if most steps, and at least this many, failed at the shortest length (two whole
+// steps).
 constexpr long kJammedSteps = 512;
 
 // Duration of the guide, and of the push that separates flush bricks before it. Both in periods of

@@ -187,10 +187,10 @@ std::string held(const scene::Scene& scene, const GripOrder& grip) {
   return fmt::format("{} of {}", grip.axis, fmt::join(parts, ", "));
 }
 
-constexpr double kBlocked = 1e-6;  // of the moves, or of the part that is blocked
+constexpr double kBlocked = 1e-6;  // smaller blocked moves are rounding, relative to all moves
 
-/// The part of the moves of all rows that joints, pins and grips do not allow to first order at the
-/// start. It is the least forces of rows in balance with each other that do work on the moves.
+/// The part of the grips' moves that joints, pins and other grips do not allow, to first order at
+/// the start: the residual of a least-squares fit of the moves by motions of the sheet.
 Eigen::VectorXd blockedMoves(const mechanics::LoadedSheet& sheet) {
   using Matrix = mechanics::LoadedSheet::Matrix;
   constexpr double kFirm = 1e-9;  // relative to the squares of the rows
@@ -208,9 +208,9 @@ Eigen::VectorXd blockedMoves(const mechanics::LoadedSheet& sheet) {
   return missing;
 }
 
-/// Throws InputError for contradicting grips: the joints do not allow their combined moves. Blocked
-/// moves of one [[grip]] are the limit of the joints, which the path reports at its end. The moves
-/// of a [[grip]] along its axes count as one: their number depends on the plane of the sheet.
+/// Throws InputError for contradicting grips: the joints do not allow their combined moves. If the
+/// joints block a single [[grip]], this is no error, because the path reports it at its end. All
+/// axes of a [[grip]] count as one move.
 void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
                       const mechanics::LoadedSheet& sheet) {
   const Eigen::VectorXd blocked = blockedMoves(sheet);

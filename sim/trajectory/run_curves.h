@@ -22,7 +22,7 @@ struct Curve {
   std::string column;          ///< in tables, with its unit, such as "width_mm"
   std::vector<double> values;  ///< one per sample; NaN if undefined
 
-  /// Whether a plot shows it: two samples in a row are numbers, or the only one is.
+  /// Whether a plot shows it: two consecutive samples are numbers, or the only sample is one.
   bool hasLine() const;
 };
 
@@ -50,11 +50,10 @@ struct RunCurves {
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()
   ///     Opening           of the joints, see openingAngles(): least, mean, largest; degrees
-  ///     Energy            kinetic, stored in springs and compliant joints, and at hinges, J;
-  ///                       like all that follow down to the forces, only of runs with dynamics by
-  ///                       the direct solver
-  ///     Work of the drives    put in so far, J; see Energies, as the next
-  ///     Lost energy       taken so far by dampers, by contacts and by the integrator, J
+  ///     Energy            kinetic, stored in springs and compliant joints, and at hinges, J. The
+  ///                       rows from here to the forces need dynamics by the direct solver
+  ///     Work of the drives    since the start, J; see Energies
+  ///     Lost energy       in dampers, contacts and the integrator since the start, J
   ///     Joint force       mean and largest, and the largest of those that are indeterminate, N
   ///     Force on held tiles   the largest of a pin, of a grip and of a contact, N
   ///     Target error      largest, as in samples, and mean of the vertices, L
@@ -115,8 +114,8 @@ std::optional<double> coveredArea(const std::vector<model::Tile>& tiles);
 std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
                                     const std::vector<model::Tile>& now);
 
-/// For each joint the rotation between its tiles since the start, when all rotations are
-/// identities. It measures the opening of the joint. Radians, [0, pi]. `poses` has one pose per
+/// For each joint the rotation between its tiles, 0 at the start. It measures the opening of the
+/// joint. Radians, [0, pi]. `poses` has one pose per
 /// tile. In the order of the joints; links and fixed joints count too.
 std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const Poses& poses);
 
