@@ -258,8 +258,8 @@ std::string inspectionText(const Inspection& inspection) {
   }
   if (inspection.necks.count > 0) text += necksText(inspection.necks, unit);
   if (inspection.rounding > 0) {
-    text += fmt::format("coordinates are rounded to {}: singular values below {:.2g} are zero\n",
-                        lengthText(inspection.rounding, unit, 6), inspection.zeroSingularValue);
+    text += fmt::format("tiles fit each other only to {}: singular values below {:.2g} are zero\n",
+                        lengthText(inspection.rounding, unit, 1), inspection.zeroSingularValue);
   }
   for (const auto& [name, tiles] : inspection.tilesByName) {
     text += fmt::format("name {}: tiles {}\n", shown(name, 60),
@@ -296,7 +296,7 @@ std::string inspectionJson(const Inspection& inspection) {
   json["suggested_thickness"] = inspection.suggestedThickness;
   json["rounding"] = inspection.rounding;
   json["file_counts_from"] = inspection.countsFrom;
-  json["mended"] = inspection.repairs;
+  json["repaired"] = inspection.repairs;
   json["start"] = stateJson(inspection.start);
   json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();

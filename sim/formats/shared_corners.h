@@ -24,7 +24,7 @@ std::vector<model::Joint> jointsOfCoincidingCorners(
 
 /// Vertex numbers of a mesh. Between tiles that share numbers, directly or through others, the
 /// file's own numbers decide. Corners of other tiles get the same number if they coincide in every
-/// state: programs write the vertices of each object, or of each face, anew. Throws InputError as
+/// state: programs write the vertices of each object, or of each face, again. Throws InputError as
 /// jointsOfCoincidingCorners().
 CornerNumbers meshNumbers(const CornerNumbers& numbers,
                           const std::vector<const std::vector<model::Tile>*>& states,

@@ -252,7 +252,7 @@ void appendRegular(std::vector<Family>& all) {
   };
   all.push_back(
       {"triangles",
-       "rotating triangles (kagome), two a cell",
+       "rotating triangles (kagome), two per cell",
        {cells("columns", 1), cells("rows", 1), startAngle(240), targetAngle(60, 240)},
        [](const FamilyValues& values) { return makeRotatingTriangles(rotorShape(values)); }});
   all.push_back(

@@ -12,7 +12,7 @@ constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 constexpr double kRunSeconds = 1;
-constexpr double kMostCpuSeconds = 3;  // a run that wedges is cut off there
+constexpr double kMostCpuSeconds = 3;  // a run that jams stops there
 
 /// The worst of all combinations of one model at one step.
 struct Worst {

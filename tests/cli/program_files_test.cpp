@@ -176,7 +176,7 @@ TEST_F(Files, LongChainsRestAtFullExtension) {
   EXPECT_EQ(summary_["outcome"], "settled");
 }
 
-// Flush quads that bend into a cap, with four decimals as published: exact joints wedge.
+// Flush quads that bend into a cap, with four decimals as published: exact joints jam.
 TEST_F(Files, WedgedQuadsInSpaceArrive) {
   model::Model cap = family("cap", {{"half-size", 3}});
   for (std::vector<model::Tile>* tiles : {&cap.tiles, &*cap.target}) {

@@ -60,7 +60,7 @@ def waterbomb():
 
 def hypar(size=4):
     """Nested rhombi with alternating folds; two opposite corners are raised, the others held. The diagonals
-    of the faces are not equal, so that all forms bend about the same."""
+    of the faces are not equal: all forms bend about the same."""
     points, faces, node = [(0, 0, 0)], [], lambda ring, corner: 1 + 4 * (ring - 1) + corner % 4
     for ring in range(1, size + 1):
         points += [(ring * np.cos(k * np.pi / 2), 1.1 * ring * np.sin(k * np.pi / 2), 0.1 * ring * (-1)**k + 0.05 * (ring % 2))

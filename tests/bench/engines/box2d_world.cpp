@@ -109,7 +109,7 @@ class Box2dWorld : public engines::BrickWorld {
 
   Poses start_;
   b2World world_;
-  std::vector<b2Body*> bodies_;  // one a brick, in order; the world's
+  std::vector<b2Body*> bodies_;  // one per brick, in order; the world's
   int iterations_;
   int corrections_;
 };

@@ -106,7 +106,7 @@ class ChipmunkWorld : public engines::BrickWorld {
 
   Poses start_;
   Space space_;
-  std::vector<Body> bodies_;  // one a brick, in order
+  std::vector<Body> bodies_;  // one per brick, in order
   std::vector<JointOfBodies> joints_;
 };
 

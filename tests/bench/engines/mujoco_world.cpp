@@ -1,5 +1,5 @@
 // MuJoCo has no function that makes a model from numbers: it is written as a text in its own format
-// and read from memory. The bricks that a breadth-first walk along the hinges reaches are bodies
+// and read from memory. The bricks that a breadth-first search along the hinges reaches are bodies
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
 //
 // MuJoCo's joints are exact, because its coordinates are joint angles. A "connect" is a soft
@@ -299,7 +299,7 @@ class MujocoWorld : public engines::BrickWorld {
   scene::Environment environment_;
   MujocoModel model_;
   MujocoData data_;
-  std::vector<int> bodies_;  // one a brick, in order
+  std::vector<int> bodies_;  // one per brick, in order
 };
 
 }  // namespace

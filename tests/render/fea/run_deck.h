@@ -30,7 +30,7 @@ JobEnd run(const std::string& meshText, const std::string& jobText);
 /// The displacements in the rows "node ux uy uz" of job.dat.
 std::vector<Vector3> displacements(const std::string& data);
 
-/// The sums that job.dat prints below "total force ... for set NAME", one a step or increment.
+/// The sums that job.dat prints below "total force ... for set NAME", one per step or increment.
 std::vector<Vector3> totalForces(const std::string& data, const std::string& set);
 
 /// The largest number among the stresses that job.dat prints, absolute; -1 for none.

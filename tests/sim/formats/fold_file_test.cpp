@@ -471,7 +471,7 @@ TEST(FoldFile, SidesOfOpenCutsGetVerticesOfTheirOwn) {
   }
   EXPECT_EQ(kept["vertices_coords"].size(), 9U);
   EXPECT_FALSE(kept.contains("file_frames"));
-  // A run moves the first square alone: vertex 1 gets another vertex, edge 0 another edge.
+  // A run moves only the first square: vertex 1 gets another vertex, edge 0 another edge.
   const json run =
       json::parse(formats::foldText(model, {{"t = 0 s", {}}, {"t = 1 s", *model.target}}));
   ASSERT_EQ(run["vertices_coords"].size(), 10U);
@@ -812,7 +812,7 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
             "removed as padding");
 }
 
-// Tiles in objects, as a program writes that numbers the vertices of each object anew. Corners of
+// Tiles in objects, as a program writes that numbers the vertices of each object again. Corners of
 // an open tessellation coincide only where they are joined.
 TEST(MeshFile, JoinsObjectsWhereTheyMeet) {
   generate::TessellationShape shape;

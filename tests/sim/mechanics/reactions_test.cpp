@@ -228,7 +228,7 @@ Eigen::VectorXd leastForces(const Eigen::MatrixXd& J, const Eigen::MatrixXd& M,
 }
 
 /// A sheet of squares in the plane and in space, and one whose tiles are folded against each other
-/// nowhere: with closed loops, hence redundant joints in space.
+/// nowhere: with closed loops, so redundant joints in space.
 class RedundantSheet : public testing::TestWithParam<bool> {};
 
 TEST_P(RedundantSheet, HasTheLeastForces) {

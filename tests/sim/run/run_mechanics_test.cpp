@@ -263,7 +263,7 @@ TEST(Holds, OfAHangingChainCarryItsWeight) {
   }
 }
 
-// Tiles that lie flush wedge on a pinned one, which carries their weight. What does not balance is
+// Tiles that lie flush jam on a pinned one, which carries their weight. What does not balance is
 // not known.
 TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
   scene::Scene scene;

@@ -163,7 +163,7 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
   }
 }
 
-/// Bricks that lie flush and are folded: they wedge, and their contacts' impulses do not converge.
+/// Bricks that lie flush and are folded: they jam, and their contacts' impulses do not converge.
 TEST(Stability, OfBricksThatWedge) {
   scene::Scene cap;
   cap.model = generate::makeSphericalCap({.size = 4});
@@ -197,7 +197,7 @@ TEST_P(StabilityOfModel, HoldsWithoutContacts) {
   expectStable(scene, 60);
 }
 
-/// A straight pull on bricks that lie flush: closing the joints of wedged bricks costs work, which
+/// A straight pull on bricks that lie flush: closing the joints of jammed bricks costs work, which
 /// the step must have.
 TEST(StabilityOfPartialSphere, HoldsWhereBricksWedge) {
   const std::filesystem::path folder =

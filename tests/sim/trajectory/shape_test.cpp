@@ -56,7 +56,7 @@ TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
 }
 
 // Centres move by an affine map, tiles turn about them: only the map's strain counts, in the axes
-// of the start. Neither a rotation of all nor tiles that stand out at the border change it.
+// of the start. Neither a rotation of all nor protruding tiles at the border change it.
 TEST(Shape, PoissonsRatioIsThatOfTheCentresMap) {
   const std::vector<model::Tile> start = RotatingSquares(0).tiles;
   const double shear = 0.1;
