@@ -135,15 +135,16 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
 
 void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
-  // A length of 0 means the default in the rule. A typed length is above 0.
+  // The default of the rule is outside the range.
   const auto length = [&group](const char* name, const char* defaultText, const char* help,
-                               double& target) {
+                               double& target, double least = 1e-12) {
     group
         .value(name, "LENGTH", defaultText, help,
-               [&target](const scene::TypedValue& typed) {
-                 target = scene::parseNumber(typed, {1e-12, 1e9});
+               [&target, least](const scene::TypedValue& typed) {
+                 target = scene::parseNumber(typed, {least, 1e9});
                })
-        .serializedAs([&target] { return target > 0 ? scene::numberText(target) : ""; });
+        .serializedAs(
+            [&target, least] { return target >= least ? scene::numberText(target) : ""; });
   };
   group
       .value("--elements-per-edge", "COUNT", "8", "elements along each edge of a tile",
@@ -173,11 +174,11 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   length("--neck-width", "the model's", "width of necks, the material left at a joint",
          elements.neck.width);
   length("--neck-length", "the model's, else the kerf", "length of necks, from tile to tile",
-         elements.neck.length);
+         elements.neck.length, 0);
   group.number("--neck-radius", elements.neck.radius, {0, 1e9}, "LENGTH",
                "radius of the fillets at the ends of necks");
   length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
-         elements.neck.kerf);
+         elements.neck.kerf, 0);
   // The element rule reports --shells and --plane-stress with joints that exclude both.
   group.flag("--shells", "shells (S8R, S4), with an offset if joints are on one face",
              [&elements] { elements.family = fea::ElementFamily::Shell; });
@@ -282,7 +283,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       });
   group.choice<std::optional<LengthUnit>>(
       "--export-unit", settings.unit, unitChoices(),
-      "unit of obj, planar-obj, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
+      "unit of obj, planar, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
       "and dxf, else the model's. glb is in m, svg and step in mm");
   addElementOptions(command, settings.elements);
   addDeckOptions(command, settings.decks, formatOption == "--format");

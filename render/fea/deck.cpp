@@ -68,12 +68,10 @@ std::string deckLength(double metres, const UnitScale& scale) {
 /// "0.1 m" or "0.1 to 0.2 m": the range of one length over all necks.
 std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length,
                         const UnitScale& scale) {
-  double least = mesh.rule.neck.*length, most = least;
-  if (!mesh.neckShapes.empty()) least = most = mesh.neckShapes.front().shape.*length;
-  for (const MeshNeck& neck : mesh.neckShapes) {
-    least = std::min(least, neck.shape.*length);
-    most = std::max(most, neck.shape.*length);
-  }
+  std::vector<double> all;
+  for (const MeshNeck& neck : mesh.neckShapes) all.push_back(neck.shape.*length);
+  if (all.empty()) all.push_back(writers::shapeAt({}, mesh.rule.neck).*length);
+  const auto [least, most] = std::ranges::minmax(all);
   // Lengths from a drawing have noise in their last digits.
   const std::string from = fmt::format("{:.6g}", least * scale.length);
   const std::string to = fmt::format("{:.6g} {}", most * scale.length, scale.lengthName);

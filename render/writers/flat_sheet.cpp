@@ -439,7 +439,7 @@ class OutlineMaker {
       : model_(model), tiny_(kShortestLine * model::tileSize(model)) {
     outline_.sheet = sheet;
     outline_.neckWidth = kInfinite;
-    kerf_ = shape.kerf;
+    kerf_ = std::max(shape.kerf, 0.0);
     for (const model::Joint& joint : model.joints) {
       shapes_.push_back(shapeAt(joint, shape));
       outline_.neckWidth = std::min(outline_.neckWidth, shapes_.back().width);
@@ -794,14 +794,15 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
 NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape) {
   NeckShape own = shape;
   if (own.width == 0) own.width = joint.neck ? brick::materialWidth(joint.neck) : 0;
-  if (own.length == 0) own.length = joint.neck.length;
-  if (own.kerf == 0) own.kerf = joint.neck.kerf;
+  const bool isSlotWide = joint.neck.length <= joint.neck.kerf;
+  if (own.length < 0) own.length = isSlotWide ? 0 : joint.neck.length;
+  if (own.kerf < 0) own.kerf = joint.neck.kerf;
   own.length = std::max(own.length, own.kerf);
   return own;
 }
 
 NeckOutline neckOutline(const model::Model& model, const NeckShape& shape) {
-  if (model.joints.empty()) requirePossible(shape, model.unit);
+  if (model.joints.empty()) requirePossible(shapeAt({}, shape), model.unit);
   for (const model::Joint& joint : model.joints) requirePossible(shapeAt(joint, shape), model.unit);
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);

@@ -120,17 +120,17 @@ std::string planarObjText(const std::vector<model::Tile>& tiles);
 //        (joint below)      Without length and kerf the neck is what the slit leaves: the line, or
 //                           the triangle across an open gap, between the joint and the slit's end.
 
-/// The remaining material between two tiles. Lengths in metres. A width, length or kerf of 0 means
-/// the value of each joint's neck in the model (model::Neck), if it has one.
+/// The remaining material between two tiles. Lengths in metres. A width of 0 or a negative length
+/// or kerf means the value of each joint's neck in the model (model::Neck).
 struct NeckShape {
-  double width = 0;   ///< of the neck, > 0
-  double length = 0;  ///< from tile to tile, at least the kerf
-  double radius = 0;  ///< of the fillets between the neck and its tiles; at most half the length
-  double kerf = 0;    ///< width removed by the cutter: tiles lose half of it along each edge
+  double width = 0;    ///< of the neck, > 0
+  double length = -1;  ///< from tile to tile, at least the kerf
+  double radius = 0;   ///< of the fillets between the neck and its tiles; at most half the length
+  double kerf = -1;    ///< width removed by the cutter: tiles lose half of it along each edge
 };
 
-/// The shape of the neck at a joint: missing values are those of the model. The length is at least
-/// the kerf.
+/// The shape of the neck at a joint. Missing values are those of the model, or 0 if it has none. A
+/// missing length is the kerf if it is the kerf in the model. The length is at least the kerf.
 NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape);
 
 /// The regions of a sheet. Regions with a common line share its two points. A shut slit has

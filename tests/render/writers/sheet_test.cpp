@@ -146,6 +146,20 @@ TEST(NeckOutlines, HaveTheNecksOfTheModel) {
   for (const std::vector<int>& neck : wide.necks) {
     EXPECT_NEAR(std::abs(areaOf(wide, neck)), 0.01 * 0.1, 1e-12);
   }
+  // A kerf of 0 closes the model's slots: the area is that of four squares.
+  const auto areaWithout = [&] {
+    const writers::NeckOutline shut = writers::neckOutline(model, {.width = 0.1, .kerf = 0});
+    double area = 0;
+    for (const std::vector<int>& tile : shut.tiles) area += areaOf(shut, tile);
+    for (const std::vector<int>& neck : shut.necks) area += std::abs(areaOf(shut, neck));
+    return std::pair{shut.necks.size(), area};
+  };
+  EXPECT_THAT(areaWithout(), testing::Pair(0U, testing::DoubleNear(4, 1e-12)));
+  // Necks that are longer than the slots are wide keep their length, unless that is 0, too.
+  for (model::Joint& joint : model.joints) joint.neck.length = 0.2;
+  EXPECT_EQ(areaWithout().first, 4U);
+  EXPECT_LT(areaWithout().second, 3.99);
+  EXPECT_EQ(writers::neckOutline(model, {.length = 0, .kerf = 0}).necks.size(), 0U);
   // Without a neck and a width there is none.
   model.joints[2].neck = {};
   try {
