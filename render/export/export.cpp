@@ -94,6 +94,24 @@ const ExportFormat& exportFormat(const std::string& name) {
                                fmt::join(exportFormatNames(), ", ")));
 }
 
+/// Sheets with necks are the start. Other states need a format that has them.
+void requireStart(const ExportSettings& settings) {
+  if (settings.elements.joints != fea::JointStyle::Neck) return;
+  const auto isOfStates = [](const ExportFile& file) {
+    return !file.writeNecks && !file.showsElements();
+  };
+  for (const std::string& name : settings.formats) {
+    if (std::ranges::any_of(exportFormat(name).files, isOfStates)) return;
+  }
+  const auto later = std::ranges::find_if(
+      settings.states, [](const std::string& name) { return name != "initial"; });
+  if (later == settings.states.end() || settings.states == ExportSettings{}.states) return;
+  throw InputError(
+      fmt::format("error: --states {} has no effect, because a sheet with necks has only the "
+                  "start. Remove --states or choose other --joints",
+                  *later));
+}
+
 void requireDifferent(const std::vector<std::string>& formats) {
   for (auto format = formats.begin(); format != formats.end(); ++format) {
     // Searches duplicates of each format after it; the list is short.
@@ -214,6 +232,7 @@ class Exporter {
         elements_(numbered(settings.elements, subject_.model)),
         states_(chooseStates(trajectory, settings.states)),
         files_(files) {
+    requireStart(settings_);
     requireLaterSamples();
     requireMap();
   }
@@ -712,6 +731,7 @@ void requireExportable(const model::Model& model, const brick::BrickRule& rule,
   requireDifferent(settings.formats);
   fea::requireValidRule(settings.elements);
   fea::requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
+  requireStart(settings);
   // Checks everything that depends only on the start before the run, including necks.
   for (const std::string& name : settings.formats) {
     const ExportFormat& format = exportFormat(name);

@@ -340,6 +340,27 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
 }
 
+TEST(ExportedNecks, AreOfTheStart) {
+  const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
+  exports::ExportSettings settings;
+  settings.elements.joints = fea::JointStyle::Neck;
+  settings.elements.neck.width = 0.1;
+  const auto refusal = [&](std::vector<std::string> formats, std::vector<std::string> states) {
+    settings.formats = std::move(formats);
+    settings.states = std::move(states);
+    return test::refusalOf([&] { exports::requireExportable(model, {}, settings); });
+  };
+  const std::vector<std::string> byDefault = exports::ExportSettings{}.states;
+  for (const std::string format : {"inp", "msh", "stl", "step"}) {
+    EXPECT_THAT(refusal({format}, {"initial", "50%"}),
+                HasSubstr("--states 50% has no effect, because a sheet with necks has only the "
+                          "start. Remove --states or choose other --joints"));
+    EXPECT_EQ(refusal({format, "obj"}, {"final"}), "accepted");
+    EXPECT_EQ(refusal({format}, {"initial"}), "accepted");
+    EXPECT_EQ(refusal({format}, byDefault), "accepted");
+  }
+}
+
 TEST_F(Export, RefusesAFormatGivenTwice) {
   exports::ExportSettings settings;
   settings.formats = {"obj", "ply", "obj"};
