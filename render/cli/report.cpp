@@ -45,14 +45,15 @@ std::string reasonOfError(const scene::Scene& scene, const record::RunSummary& s
   const double error = summary.accuracy.targetErrorEnd;
   if (summary.atTarget != true || error <= kReached * tile) return "";
   if (scene.model.rounding > 0 && error <= run::roundedReach(scene.model)) {
-    return fmt::format("reason: coordinates are rounded to {}, which explains errors of up to {}\n",
-                       lengthText(scene.model.rounding, scene.model.unit, 6),
-                       lengthText(run::roundedReach(scene.model), scene.model.unit, 2));
+    return fmt::format(
+        "reason: tiles fit each other only to {}, which explains errors of up to {}\n",
+        lengthText(scene.model.rounding, scene.model.unit, 1),
+        lengthText(run::roundedReach(scene.model), scene.model.unit, 2));
   }
   if (error <= kExplains * summary.accuracy.rigidBound) {
     return "reason: the target's tiles have other shapes, which rigid tiles cannot fit\n";
   }
-  const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
+  const double gap = model::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap > kReached * tile) {
     return fmt::format("reason: the target opens its joints by {}; closed joints cannot reach it\n",
                        inTiles(gap, scene.model));

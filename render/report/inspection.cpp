@@ -48,7 +48,7 @@ std::string kindOf(const model::Joint& joint) {
 StateInspection inspectState(const scene::Scene& scene, const std::vector<model::Tile>& tiles) {
   const model::Model& model = scene.model;
   StateInspection state;
-  state.jointGap = trajectory::largestJointGap(model.joints, tiles);
+  state.jointGap = model::largestJointGap(model.joints, tiles);
   state.unevenness = trajectory::largestUnevenness(tiles);
   state.leastCornerSine = trajectory::leastCornerSine(tiles);
   // Overlaps below a millionth of a tile are rounding of coordinates.

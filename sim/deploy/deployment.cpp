@@ -174,7 +174,6 @@ void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
   const double length = isFree ? found.planned.path->path.length() : 0;
   if (other.path->path.length() < kShorter * length) return;
   found.planned = std::move(other);
-  found.planned.path->isFitMeasured = true;
   found.misfit = misfit;
 }
 

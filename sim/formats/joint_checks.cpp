@@ -82,6 +82,17 @@ double startGap(const model::Model& model, const model::Joint& joint) {
   return (a - b).norm();
 }
 
+double misfitOf(const model::Model& model) {
+  constexpr double kExact = 1e-9;  // in tiles
+  const double tile = model::tileSize(model);
+  const auto gapOf = [&](const std::vector<model::Tile>& tiles) {
+    const double gap = model::largestJointGap(model.joints, tiles);
+    return gap > kMostMisfit * tile ? 0 : gap;
+  };
+  const double misfit = std::max(gapOf(model.tiles), model.target ? gapOf(*model.target) : 0);
+  return misfit > kExact * tile ? misfit : 0;
+}
+
 bool namesExistingCorners(const JointTable& table, const std::vector<model::Tile>& tiles,
                           int shift) {
   return std::all_of(table.rows.begin(), table.rows.end(), [&](const JointRow& row) {

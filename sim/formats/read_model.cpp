@@ -17,12 +17,12 @@
 #include "sim/base/files.h"
 #include "sim/formats/drawing.h"
 #include "sim/formats/joint_checks.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_settings.h"
 #include "sim/formats/repairs.h"
+#include "sim/formats/text_table.h"
 #include "sim/formats/tile_checks.h"
 #include "sim/formats/written_digits.h"
-#include "sim/formats/model_formats.h"
-#include "sim/formats/text_table.h"
 
 namespace kirireel::formats {
 namespace {
@@ -155,13 +155,15 @@ model::Model readModel(const fs::path& path, const std::optional<fs::path>& targ
     refuseRepairs(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
   }
-  if (!target) return model;
-  model.target = startOf(*target, model, settings.joinCoplanar);
-  model.waypoints.clear();
-  if (model.drawing) {
-    model.drawing->givesTarget = false;
-    for (model::Crease& crease : model.drawing->creases) crease.targetAngles.clear();
+  if (target) {
+    model.target = startOf(*target, model, settings.joinCoplanar);
+    model.waypoints.clear();
+    if (model.drawing) {
+      model.drawing->givesTarget = false;
+      for (model::Crease& crease : model.drawing->creases) crease.targetAngles.clear();
+    }
   }
+  model.rounding = std::max(model.rounding, misfitOf(model));
   return model;
 }
 

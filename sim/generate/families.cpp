@@ -463,7 +463,7 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
                        bool isConcave) {
   // Cheap checks first. The last one compares pairs of tiles.
   const double size = model::tileSize(model);
-  if (!(trajectory::largestJointGap(model.joints, tiles) <= kExactModel * size))
+  if (!(model::largestJointGap(model.joints, tiles) <= kExactModel * size))
     return "joints do not close";
   if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size)) return "tiles are not flat";
   if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex)) return "tiles are not convex";

@@ -133,6 +133,17 @@ double tileSize(const Model& model) {
   return edges == 0 ? 0.0 : sum / static_cast<double>(edges);
 }
 
+double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>& tiles) {
+  double largest = 0;
+  for (const Joint& joint : joints) {
+    if (joint.kind != JointKind::Pivot) continue;
+    const Vector3& a = tiles[std::size_t(joint.a.tile)].vertices[std::size_t(joint.a.vertex)];
+    const Vector3& b = tiles[std::size_t(joint.b.tile)].vertices[std::size_t(joint.b.vertex)];
+    largest = std::max(largest, (a - b).norm());
+  }
+  return largest;
+}
+
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target) {
   int count = 0;
   for (std::size_t i = 0; i < start.size(); ++i) {

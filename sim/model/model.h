@@ -162,7 +162,9 @@ struct Model {
   std::optional<std::vector<Corner>> hull;  ///< corners around the outline, in order
   std::string hullFault;                    ///< why the reader ignored a hull; empty if it did not
   FileOrder fileOrder;                      ///< numbering and order in the file
-  double rounding = 0;      ///< last decimal place of rounded coordinates, metres; 0: not rounded
+  /// How closely corners fit, metres: the last decimal place of rounded coordinates, or the misfit
+  /// of corners with all their digits. 0: exactly.
+  double rounding = 0;
   std::vector<Repair> repairs;  ///< repairs by the reader
   /// Unit of lengths in options and in files for other programs: the user's unit, the file's
   /// declared unit, or metres. All lengths above are in metres.
@@ -214,6 +216,10 @@ double modelSize(const Model& model);
 /// Mean edge length over all tiles, metres. Messages call this length the tile size.
 /// 0 for a model without tiles.
 double tileSize(const Model& model);
+
+/// The largest distance between the two corners of a pivot, metres; 0 if there are none. Links and
+/// fixed joints do not count.
+double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>& tiles);
 
 /// Text of a length such as "0.0121 mm (0.012 tiles)", for messages. The first number is in the
 /// model's unit with `digits` significant digits.

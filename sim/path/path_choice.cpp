@@ -520,7 +520,7 @@ bool pullsToTarget(const scene::Scene& scene) {
 // Warns if joints are open in the target's own data.
 std::string openTargetWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
-  const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
+  const double gap = model::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap <= run::kOpenJoints * tile) return "";
   return fmt::format(
       "the target opens its joints by {} ({:.2g} tiles); closed joints cannot reach it",

@@ -151,8 +151,8 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   } else if (found.path.endsAtOpenJoints) {
     words = fmt::format(
         "the path ends at the last state with closed joints. Beyond it they open by more than ten "
-        "times the last digit, {}, of the model's coordinates",
-        lengthText(scene.model.rounding, scene.model.unit, 6));
+        "times {}, to which the model's tiles fit each other",
+        lengthText(scene.model.rounding, scene.model.unit, 1));
   } else if (found.path.isCutShort) {
     words = "the path ends where the search stopped";
   } else if (!isExtension(scene, found.path)) {
@@ -164,15 +164,9 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
     words += fmt::format(", joints open by up to {} on the path",
                          model::lengthInTiles(found.evaluation.opening, scene.model));
   }
-  if (found.path.isRounded && found.isFitMeasured) {
+  if (found.path.isRounded) {
     words += fmt::format("; the model's tiles fit each other only to {}",
                          lengthText(scene.model.rounding, scene.model.unit, 1));
-  } else if (found.path.isRounded) {
-    words += fmt::format(
-        ", {:.2g} of the last digit, {}, of the model's coordinates. Tiles with this rounding do "
-        "not fit each other better",
-        found.evaluation.opening / scene.model.rounding,
-        lengthText(scene.model.rounding, scene.model.unit, 6));
   }
   return words;
 }

@@ -21,8 +21,6 @@ struct GeometricPath {
   std::string closedWords;          ///< how a path to the second compact state ends; else empty
   PathEvaluation evaluation;        ///< its figures
   bool hasCompliantJoints = false;  ///< joints may open along the path
-  /// Model::rounding is the misfit of the tiles, not the last digit of coordinates.
-  bool isFitMeasured = false;
 };
 
 /// Joints with smaller gaps, in tiles, are closed.

@@ -157,8 +157,9 @@ std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, dou
     const PlacedTile& first = placed[std::size_t(order[i])];
     for (std::size_t j = i + 1; j < order.size() && left > 0; ++j) {
       const PlacedTile& second = placed[std::size_t(order[j])];
-      if (second.box.min().x() > first.box.max().x() - tolerance) break;
-      if (first.tile == second.tile || !first.box.intersects(second.box)) continue;
+      if (second.box.min().x() > first.box.max().x() + tolerance) break;
+      if (first.tile == second.tile) continue;
+      if (first.box.exteriorDistance(second.box) > tolerance) continue;
       --left;
       const double depth = depthOf(first, second, tolerance);
       if (depth <= tolerance) continue;
@@ -171,18 +172,6 @@ std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, dou
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.depth > b.depth; });
   return found;
-}
-
-double largestJointGap(const std::vector<model::Joint>& joints,
-                       const std::vector<model::Tile>& tiles) {
-  double largest = 0;
-  for (const model::Joint& joint : joints) {
-    if (joint.kind != model::JointKind::Pivot) continue;
-    const Vector3& a = tiles[std::size_t(joint.a.tile)].vertices[std::size_t(joint.a.vertex)];
-    const Vector3& b = tiles[std::size_t(joint.b.tile)].vertices[std::size_t(joint.b.vertex)];
-    largest = std::max(largest, (a - b).norm());
-  }
-  return largest;
 }
 
 double largestShapeChange(const std::vector<model::Tile>& start,

@@ -20,11 +20,6 @@ struct TileOverlap {
 /// both tiles for each pair whose boxes overlap.
 std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance);
 
-/// The largest distance between the two corners of a pivot, metres; 0 if there are none. Links and
-/// fixed joints do not count.
-double largestJointGap(const std::vector<model::Joint>& joints,
-                       const std::vector<model::Tile>& tiles);
-
 /// The largest difference of any distance between two vertices of one tile, metres.
 /// O(n^2) for a tile of n vertices.
 double largestShapeChange(const std::vector<model::Tile>& start,

@@ -26,6 +26,22 @@ TEST(Sheet, FlatOverlapIsTheShortestWayApart) {
   EXPECT_EQ(found[0].tileB, 1);
 }
 
+// A height of rounding, and planes across each axis, change nothing.
+TEST(Sheet, FlatOverlapIsTheSameInEveryPlane) {
+  for (const double height : {0.0, 1e-16, -1e-16}) {
+    const std::vector<model::Tile> flat = {unitSquare({0, 0, 0}), unitSquare({0.75, 0.1, height})};
+    for (const Vector3& axis : {Vector3(Vector3::UnitX()), Vector3(Vector3::UnitY()),
+                                Vector3(Vector3(1, 2, 3).normalized())}) {
+      for (const double angle : {0.0, std::numbers::pi / 2, 0.7}) {
+        const auto found = trajectory::tileOverlaps(
+            {turned(flat[0], axis, angle), turned(flat[1], axis, angle)}, 1e-9);
+        ASSERT_EQ(found.size(), 1U) << height << ", " << axis.transpose() << ", " << angle;
+        EXPECT_NEAR(found[0].depth, 0.25, 1e-14);
+      }
+    }
+  }
+}
+
 TEST(Sheet, TouchingTilesDoNotOverlap) {
   const model::Tile square = unitSquare({0, 0, 0});
   EXPECT_TRUE(trajectory::tileOverlaps({square, unitSquare({1, 0.3, 0})}, 1e-9).empty());
@@ -56,7 +72,7 @@ TEST(Sheet, CrossingTilesOverlapAsFarAsTheyReachThrough) {
 TEST(Sheet, MeasuresWhatIsWrong) {
   std::vector<model::Tile> tiles = {unitSquare({0, 0, 0}), unitSquare({1, 0, 0.25})};
   const std::vector<model::Joint> joints = {{{0, 1}, {1, 0}}};
-  EXPECT_EQ(trajectory::largestJointGap(joints, tiles), 0.25);
+  EXPECT_EQ(model::largestJointGap(joints, tiles), 0.25);
   EXPECT_EQ(trajectory::largestUnevenness(tiles), 0);
   EXPECT_EQ(trajectory::leastCornerSine(tiles), 1);
   const std::vector<model::Tile> start = tiles;
