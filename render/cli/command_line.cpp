@@ -54,6 +54,14 @@ std::vector<std::string> commandNames(const CLI::App& command) {
   return names;
 }
 
+/// For an unknown option: the first command that has it, else the most similar option.
+std::string hintFor(const std::string& option, const CLI::App& program, const CLI::App& command) {
+  for (const CLI::App* other : program.get_subcommands([](const CLI::App*) { return true; })) {
+    if (other->get_option_no_throw(option)) return fmt::format("; {} has it", fullName(*other));
+  }
+  return suggestion(option, optionNames(command));
+}
+
 /// Arguments that CLI11 did not take: the first unknown option, else the first of all.
 void requireNoExtraWords(const CLI::App& program) {
   // The remaining words of CLI11 include the "--" that ends the options.
@@ -70,8 +78,8 @@ void requireNoExtraWords(const CLI::App& program) {
     if (!replacement.empty()) {
       throw InputError(fmt::format("error: option {} was removed{}; {}", name, replacement, help));
     }
-    throw InputError(fmt::format("error: unknown option {}{}; {}", name,
-                                 suggestion(name, optionNames(command)), help));
+    throw InputError(
+        fmt::format("error: unknown option {}{}; {}", name, hintFor(name, program, command), help));
   }
   // After a command with subcommands, an extra word is a mistyped subcommand.
   const std::vector<std::string> commands = commandNames(command);
@@ -121,6 +129,13 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
     // The text starts with the option without its value and a colon.
     const std::string text = error.what();
     throw missingValue(text.substr(0, text.find(':')), chosenCommand(program));
+  } catch (const CLI::ConversionError& error) {
+    // Only switches convert their values: "Could not convert: --ground = 3".
+    const std::string text = error.what();
+    const std::size_t begin = text.find("--");
+    const std::size_t equals = text.find(" = ", begin);
+    throw scene::valueError({text.substr(begin, equals - begin), text.substr(equals + 3)},
+                            "no value, true or false");
   } catch (const CLI::ParseError& error) {
     throw InputError(
         fmt::format("error: {}; see {} --help", error.what(), fullName(chosenCommand(program))));

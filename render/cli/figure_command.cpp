@@ -131,7 +131,7 @@ void readPictures(const scene::TomlTable& table, const fs::path& folder,
   OptionGroup group(app, "Pictures");
   addGridOptions(group, panel.pictures);
   addRowOptions(group, panel.pictures);
-  addLookOptions(app, panel.pictures.look);
+  addAppearanceOptions(app, panel.pictures.appearance);
   // Pages are opaque.
   app.remove_option(app.get_option("--transparent"));
   options.read(table);
@@ -265,7 +265,7 @@ CLI::App* addFigureCommand(CLI::App& program, FigureOrder& order) {
       "Keys of the page: width, font_size, font, letters, dpi. Keys of all panels:\n"
       "run, title, share (of the row's width), height. A panel with curves or column\n"
       "is a plot, with the options of `kirireel curves`. Other panels are pictures,\n"
-      "with the options of `kirireel render` for layout, look and camera. Runs and\n"
+      "with the options of `kirireel render` for layout, style and camera. Runs and\n"
       "tables are found from the folder of the page file.\n\n"
       "Example:\n"
       "  kirireel figure figure.toml --out figure.pdf --out figure.png");

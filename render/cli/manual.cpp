@@ -614,7 +614,7 @@ const std::vector<std::string>& optionsNotForRuns() {
 }
 
 std::vector<std::string> optionsNotForPictures(const CommandDescription& program) {
-  static const std::vector<std::string> groups = {"Style", "Look", "Camera"};
+  static const std::vector<std::string> groups = {"Style", "Camera"};
   static const std::vector<std::string> keys = {"size", "gl"};
   std::vector<std::string> names;
   for (const OptionDescription& option : commandNamed(program, "render").options) {

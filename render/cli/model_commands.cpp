@@ -222,7 +222,11 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   output.value("--picture", "FILE", "",
                "write a PNG file of both states with tile numbers and marks on repairs, or of the "
                "faulty tile or drawing",
-               [&order](const scene::TypedValue& typed) { order.picture = typed.text; });
+               [&order](const scene::TypedValue& typed) {
+                 order.picture = typed.text;
+                 if (order.picture.extension() != ".png")
+                   throw scene::valueError(typed, "a name that ends with .png");
+               });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
 }

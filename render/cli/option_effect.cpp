@@ -63,21 +63,21 @@ bool isOneRunOrFilm(const OptionContext& context) {
   return isOneRun(context) || hasFrames(context);
 }
 bool hasOutlines(const OptionContext& context) {
-  return context.pictures->look.outlines;
+  return context.pictures->appearance.outlines;
 }
 bool showsMeasure(const OptionContext& context) {
-  return picture::isMeasure(context.pictures->look.colouring);
+  return picture::isMeasure(context.pictures->appearance.colouring);
 }
 bool showsMeasureOrPage(const OptionContext& context) {
   return showsMeasure(context) || context.page;
 }
 bool showsPlainColours(const OptionContext& context) {
   const bool hasOthers =
-      showsMeasure(context) || context.pictures->look.colouring == picture::Colouring::Shape;
+      showsMeasure(context) || context.pictures->appearance.colouring == picture::Colouring::Shape;
   return !hasOthers || context.page;
 }
 bool mayBePerspective(const OptionContext& context) {
-  return context.pictures->look.camera.orthographic != true;
+  return context.pictures->appearance.camera.orthographic != true;
 }
 bool hasPreset(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
@@ -233,7 +233,7 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--outline-colour", hasOutlines, "without outlines", "Remove --no-outlines"},
     {"--outline-width", hasOutlines, "without outlines", "Remove --no-outlines"},
     {"--distance", mayBePerspective, "in a parallel projection", "Use --projection perspective"},
-    {"Look", hasPicture, "without a picture", kGrid},
+    {"Style", hasPicture, "without a picture", kGrid},
     {"Camera", hasPicture, "without a picture", kGrid}};
 
 constexpr OptionEffect kExportEffects[] = {

@@ -180,7 +180,7 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
            {"egl", picture::GraphicsLibrary::Egl}},
           "library that draws off screen")
       .excludeFromFingerprint();
-  addLookOptions(command, settings.look);
+  addAppearanceOptions(command, settings.appearance);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -196,9 +196,9 @@ std::string serializedColour(const std::optional<picture::Colour>& colour) {
 }
 
 /// The quantity of the colours, and their scale.
-void addScaleOptions(OptionGroup& group, picture::Look& look) {
+void addScaleOptions(OptionGroup& group, picture::Appearance& appearance) {
   // Measures of single bricks need a scale, "plain" and "shape" do not.
-  group.choice<picture::Colouring>("--colour", look.colouring,
+  group.choice<picture::Colouring>("--colour", appearance.colouring,
                                    {{"plain", picture::Colouring::Plain},
                                     {"shape", picture::Colouring::Shape},
                                     {"state", picture::Colouring::State},
@@ -209,63 +209,74 @@ void addScaleOptions(OptionGroup& group, picture::Look& look) {
                                     {"moment", picture::Colouring::Moment},
                                     {"energy", picture::Colouring::Energy}},
                                    "quantity shown by the bricks' colours");
-  group.choice<picture::ColourMap>("--colour-map", look.map,
+  group.choice<picture::ColourMap>("--colour-map", appearance.map,
                                    {{"viridis", picture::ColourMap::Viridis},
                                     {"cividis", picture::ColourMap::Cividis},
                                     {"coolwarm", picture::ColourMap::CoolWarm}},
                                    "scale of colours for a measure, coolwarm is diverging");
   group
       .value("--colour-least", "VALUE", "0", "value at the first end of the scale",
-             [&look](const scene::TypedValue& typed) {
-               look.colourLeast = scene::parseNumber(typed, {-1e12, 1e12});
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.colourLeast = scene::parseNumber(typed, {-1e12, 1e12});
              })
-      .serializedAs(
-          [&look] { return look.colourLeast ? scene::numberText(*look.colourLeast) : ""; });
+      .serializedAs([&appearance] {
+        return appearance.colourLeast ? scene::numberText(*appearance.colourLeast) : "";
+      });
   group
       .value("--colour-most", "VALUE", "the largest of the run",
              "value at the other end of the scale, in the unit of the measure",
-             [&look](const scene::TypedValue& typed) {
-               look.colourMost = scene::parseNumber(typed, {1e-15, 1e12});
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.colourMost = scene::parseNumber(typed, {1e-15, 1e12});
              })
-      .serializedAs([&look] { return look.colourMost ? scene::numberText(*look.colourMost) : ""; });
+      .serializedAs([&appearance] {
+        return appearance.colourMost ? scene::numberText(*appearance.colourMost) : "";
+      });
 }
 
 /// Colours are names of CSS or six hexadecimal digits.
-void addColourOptions(OptionGroup& group, picture::Look& look) {
+void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
   group
       .value("--brick-colour", "COLOUR", "80AEDC",
              "colour of all bricks, with --colour plain; a name such as teal, or RRGGBB",
-             [&look](const scene::TypedValue& typed) { look.brickColour = parseColour(typed); })
-      .serializedAs([&look] { return serializedColour(look.brickColour); });
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.brickColour = parseColour(typed);
+             })
+      .serializedAs([&appearance] { return serializedColour(appearance.brickColour); });
   group
       .value("--back-colour", "COLOUR", "F4BE74", "colour of their other side, with --colour plain",
-             [&look](const scene::TypedValue& typed) { look.backColour = parseColour(typed); })
-      .serializedAs([&look] { return serializedColour(look.backColour); });
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.backColour = parseColour(typed);
+             })
+      .serializedAs([&appearance] { return serializedColour(appearance.backColour); });
   group
       .values("--tile-colour", "[NAME:]TILES=COLOUR",
               "colour of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in "
               "the legend; with --colour plain, shape or state",
-              [&look](const scene::TypedValue& typed) {
-                look.tileColours.push_back(parseTileColour(typed));
+              [&appearance](const scene::TypedValue& typed) {
+                appearance.tileColours.push_back(parseTileColour(typed));
               })
-      .serializedAs([&look] { return tileColoursText(look.tileColours); });
-  group.number("--opacity", look.opacity, {0, 1}, "SHARE",
+      .serializedAs([&appearance] { return tileColoursText(appearance.tileColours); });
+  group.number("--opacity", appearance.opacity, {0, 1}, "SHARE",
                "opacity of all bricks, 0 hides them; their hidden sides are not drawn");
   group
       .values("--tile-opacity", "TILES=SHARE",
               "opacity of some tiles, as in 3,7,10-15=0.3, with any --colour",
-              [&look](const scene::TypedValue& typed) {
-                look.tileOpacities.push_back(parseTileOpacity(typed));
+              [&appearance](const scene::TypedValue& typed) {
+                appearance.tileOpacities.push_back(parseTileOpacity(typed));
               })
-      .serializedAs([&look] { return tileOpacitiesText(look.tileOpacities); });
+      .serializedAs([&appearance] { return tileOpacitiesText(appearance.tileOpacities); });
   group
       .value("--outline-colour", "COLOUR", "263242", "colour of the lines on the edges of tiles",
-             [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
-      .serializedAs([&look] { return serializedColour(look.outlineColour); });
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.outlineColour = parseColour(typed);
+             })
+      .serializedAs([&appearance] { return serializedColour(appearance.outlineColour); });
   group
       .value("--background", "COLOUR", "by --theme", "colour of the background",
-             [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
-      .serializedAs([&look] { return serializedColour(look.background); });
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.background = parseColour(typed);
+             })
+      .serializedAs([&appearance] { return serializedColour(appearance.background); });
 }
 
 /// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. A single width is that between
@@ -293,60 +304,65 @@ std::string outlineWidthsText(const picture::OutlineWidths& widths) {
 }
 
 /// Options of a picture except its camera.
-void addDrawingOptions(CLI::App& command, picture::Look& look) {
-  OptionGroup group(command, "Look", "style");
-  group.choice<picture::Theme>("--theme", look.theme,
+void addDrawingOptions(CLI::App& command, picture::Appearance& appearance) {
+  OptionGroup group(command, "Style", "style");
+  group.choice<picture::Theme>("--theme", appearance.theme,
                                {{"light", picture::Theme::Light}, {"dark", picture::Theme::Dark}},
                                "page for which the pictures are made");
-  addScaleOptions(group, look);
-  addColourOptions(group, look);
+  addScaleOptions(group, appearance);
+  addColourOptions(group, appearance);
   group.choice<picture::GroundLook>(
-      "--ground-look", look.ground, {picture::kGroundLooks.begin(), picture::kGroundLooks.end()},
+      "--ground-look", appearance.ground,
+      {picture::kGroundLooks.begin(), picture::kGroundLooks.end()},
       "ground below the bricks; auto is a plate with a shadow if the scene has a ground");
-  group.flag("--transparent", look.transparent,
+  group.flag("--transparent", appearance.transparent,
              "no background in PNG files and in videos with alpha");
-  group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
+  group.flag("--no-outlines", appearance.outlines, "no lines on the edges of tiles", false);
   group
       .value("--outline-width", "PT[,PT]", "0.5pt,0.75pt",
              "width of the lines between tiles, and of lines without a tile beyond, in print (a "
              "frame is 160 mm wide); a number without pt is a factor",
-             [&look](const scene::TypedValue& typed) {
-               look.outlineWidths = parseOutlineWidths(typed);
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.outlineWidths = parseOutlineWidths(typed);
              })
-      .serializedAs([&look] { return outlineWidthsText(look.outlineWidths); });
-  group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
-  group.flag("--target-lines", look.targetLines,
+      .serializedAs([&appearance] { return outlineWidthsText(appearance.outlineWidths); });
+  group.flag("--mark-joints", appearance.jointMarks, "a dot on each joint");
+  group.flag("--target-lines", appearance.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
   group
       .values("--trail", "TILE,VERTEX",
               "path of this vertex until each picture, as a line, dashed where bricks hide it",
-              [&look](const scene::TypedValue& typed) {
+              [&appearance](const scene::TypedValue& typed) {
                 const auto corner = parseIndices(typed, 2, "tile, vertex, as in 3,0");
-                look.trails.push_back({corner[0], corner[1]});
+                appearance.trails.push_back({corner[0], corner[1]});
               })
-      .serializedAs([&look] {
+      .serializedAs([&appearance] {
         std::vector<std::array<int, 2>> corners;
-        for (const auto& [tile, vertex] : look.trails) corners.push_back({tile, vertex});
+        for (const auto& [tile, vertex] : appearance.trails) corners.push_back({tile, vertex});
         return listsText(corners);
       });
-  group.choice<picture::Ghost>("--ghost", look.ghost,
+  group.choice<picture::Ghost>("--ghost", appearance.ghost,
                                {picture::kGhosts.begin(), picture::kGhosts.end()},
                                "state drawn with every picture as pale transparent bricks");
   group
       .value("--depth-cue", "SHARE", "0",
              "share of the background's colour in the farthest tiles of the run, 0 to 1",
-             [&look](const scene::TypedValue& typed) {
-               look.depthCue = scene::parseNumber(typed, {0, 1});
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.depthCue = scene::parseNumber(typed, {0, 1});
              })
-      .serializedAs([&look] { return look.depthCue > 0 ? scene::numberText(look.depthCue) : ""; });
+      .serializedAs([&appearance] {
+        return appearance.depthCue > 0 ? scene::numberText(appearance.depthCue) : "";
+      });
   group
       .value("--occlusion", "SHARE", "0.6",
              "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "
              "values",
-             [&look](const scene::TypedValue& typed) {
-               look.occlusion = scene::parseNumber(typed, {0, 1});
+             [&appearance](const scene::TypedValue& typed) {
+               appearance.occlusion = scene::parseNumber(typed, {0, 1});
              })
-      .serializedAs([&look] { return look.occlusion ? scene::numberText(*look.occlusion) : ""; });
+      .serializedAs([&appearance] {
+        return appearance.occlusion ? scene::numberText(*appearance.occlusion) : "";
+      });
 }
 
 /// One of the words, or "45,30", or "45,30,10".
@@ -411,9 +427,9 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
 }
 
 /// Lengths in the model's unit, angles in degrees.
-void addCameraOptions(CLI::App& command, picture::Look& look) {
+void addCameraOptions(CLI::App& command, picture::Appearance& appearance) {
   OptionGroup group(command, "Camera", "camera");
-  picture::CameraChoice& camera = look.camera;
+  picture::CameraChoice& camera = appearance.camera;
   addViewOptions(group, camera);
   group.choice<std::optional<bool>>(
       "--projection", camera.orthographic,
@@ -429,7 +445,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
              })
       .serializedAs(
           [&camera] { return camera.distance ? scene::numberText(*camera.distance) : ""; });
-  group.choice<picture::FitScope>("--fit", look.fit,
+  group.choice<picture::FitScope>("--fit", appearance.fit,
                                   {{"auto", picture::FitScope::Auto},
                                    {"run", picture::FitScope::Run},
                                    {"ends", picture::FitScope::Ends}},
@@ -453,9 +469,9 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
 
 }  // namespace
 
-void addLookOptions(CLI::App& command, picture::Look& look) {
-  addDrawingOptions(command, look);
-  addCameraOptions(command, look);
+void addAppearanceOptions(CLI::App& command, picture::Appearance& appearance) {
+  addDrawingOptions(command, appearance);
+  addCameraOptions(command, appearance);
 }
 
 // ------------------------------------------------------------------------------------------------

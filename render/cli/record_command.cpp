@@ -324,7 +324,7 @@ void addPage(const RecordOrder& order, const std::filesystem::path& folder) {
   if (!order.page) return;
   page::WebPageSettings settings;
   settings.folder = folder;
-  settings.look = order.settings.look;
+  settings.appearance = order.settings.appearance;
   page::writePage({folder / output::kTrajectory}, settings);
 }
 

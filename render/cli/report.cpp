@@ -348,9 +348,12 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
 std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
                                const record::RunSummary& summary) {
   std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
-  text += fmt::format("{} tiles, {} joints, {}; {}\n", scene.model.tiles.size(),
+  text += fmt::format("{} tiles, {} joints, {}; {}", scene.model.tiles.size(),
                       scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
                       describeMotion(scene, summary));
+  if (!settings.peerSpelling.empty())
+    text += fmt::format("; PyKirigami's constants, by {}", settings.peerSpelling);
+  text += '\n';
   if (!scene.model.joints.empty()) {
     const run::Accuracy& accuracy = summary.accuracy;
     text += accuracy.jointOpeningMax > 0

@@ -361,6 +361,7 @@ void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool ha
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                          const formats::ReadSettings& settings,
                          std::vector<std::string>& warnings) {
+  if (place.empty()) throw InputError("error: the model's name is empty; give a folder or a file");
   requireNoMisspelling(place);
   std::optional<std::filesystem::path> named;
   // The target's model is searched in the same places.

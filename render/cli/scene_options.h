@@ -138,10 +138,10 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings);
 // ------------------------------------------------------------------------------------------------
 // Options of the style and the camera of pictures.
 
-/// Adds the options of style and camera, the same for every painting command. The look must
-/// outlive the parsing. The help has two groups, "Look" ([style] in a scene file) and "Camera"
+/// Adds the options of style and camera, the same for every painting command. The appearance must
+/// outlive the parsing. The help has two groups, "Style" ([style] in a scene file) and "Camera"
 /// ([camera]).
-void addLookOptions(CLI::App& command, picture::Look& look);
+void addAppearanceOptions(CLI::App& command, picture::Appearance& appearance);
 
 // ------------------------------------------------------------------------------------------------
 // Options of the video.

@@ -106,8 +106,9 @@ std::string warningsHtml(const std::vector<std::string>& warnings) {
 }
 
 /// Paints three small pictures.
-std::string stageHtml(const trajectory::TrajectoryReader& run, const picture::Look& look) {
-  const std::string still = stillPicture(run, look);
+std::string stageHtml(const trajectory::TrajectoryReader& run,
+                      const picture::Appearance& appearance) {
+  const std::string still = stillPicture(run, appearance);
   const std::string picture = base64(std::as_bytes(std::span(still)));
   return filled(embeddedFile("stage.html"),
                 {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
@@ -191,16 +192,16 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
                      const WebPageSettings& settings) {
   requirePages();
   Json data = {
-      {"light", styleJson(picture::Theme::Light, settings.look)},
-      {"dark", styleJson(picture::Theme::Dark, settings.look)},
-      {"theme", settings.look.theme == picture::Theme::Dark ? Json("dark") : Json(nullptr)},
+      {"light", styleJson(picture::Theme::Light, settings.appearance)},
+      {"dark", styleJson(picture::Theme::Dark, settings.appearance)},
+      {"theme", settings.appearance.theme == picture::Theme::Dark ? Json("dark") : Json(nullptr)},
       {"runs", Json::array()}};
   std::string title, stages, words;
   for (const std::filesystem::path& file : trajectories) {
     const trajectory::TrajectoryReader run(file);
-    data["runs"].push_back(runJson(run, settings.look, settings.states));
+    data["runs"].push_back(runJson(run, settings.appearance, settings.states));
     title += (title.empty() ? "" : " and ") + run.subject().model.name;
-    stages += stageHtml(run, settings.look);
+    stages += stageHtml(run, settings.appearance);
     words += wordsHtml(run, file.parent_path(), settings.embedded);
   }
   const std::string text = safeJson(data);
@@ -273,11 +274,12 @@ picture::PictureContent anyContent() {
 }
 
 /// Without settings of single tiles, which a style does not contain.
-picture::Style styleOf(picture::Look look) {
-  look.tileColours.clear();
-  look.tileOpacities.clear();
+picture::Style styleOf(picture::Appearance appearance) {
+  appearance.tileColours.clear();
+  appearance.tileOpacities.clear();
   // Large enough that no line is thickened: the page does that for its own size.
-  return picture::PictureSetup(look, anyContent(), {picture::kMaxFrameSide, picture::kMaxFrameSide})
+  return picture::PictureSetup(appearance, anyContent(),
+                               {picture::kMaxFrameSide, picture::kMaxFrameSide})
       .style();
 }
 
@@ -467,9 +469,9 @@ Json plateJson(const std::optional<picture::GroundPlate>& plate) {
           {"shadow", plate->shadow}};
 }
 
-record::PictureSettings stillSettings(const picture::Look& look) {
+record::PictureSettings stillSettings(const picture::Appearance& appearance) {
   record::PictureSettings settings;
-  settings.look = look;
+  settings.appearance = appearance;
   settings.size = kStillSize;
   return settings;
 }
@@ -486,15 +488,15 @@ Json mapJson(picture::ColourMap map, picture::Colour background) {
 
 }  // namespace
 
-Json styleJson(picture::Theme theme, const picture::Look& look) {
-  picture::Look themed = look;
+Json styleJson(picture::Theme theme, const picture::Appearance& appearance) {
+  picture::Appearance themed = appearance;
   themed.theme = theme;
   themed.colouring = picture::Colouring::Plain;
   const picture::Style style = styleOf(themed);
   themed.colouring = picture::Colouring::Displacement;
   return {{"background", colourJson(style.background)},
           {"brick", coloursJson(style.brick)},
-          {"map", mapJson(look.map, style.background)},
+          {"map", mapJson(appearance.map, style.background)},
           {"edge", colourJson(style.edge)},
           {"ground", colourJson(style.ground)},
           {"scenery", colourJson(style.scenery)},
@@ -502,8 +504,8 @@ Json styleJson(picture::Theme theme, const picture::Look& look) {
           {"shadow_source", record::vectorJson(style.shadowSource)},
           {"mark", colourJson(style.mark)},
           {"overlay", colourJson(style.overlay)},
-          {"slit_width", look.outlines ? look.outlineWidths.slits : 0},
-          {"silhouette_width", look.outlines ? look.outlineWidths.silhouettes : 0},
+          {"slit_width", appearance.outlines ? appearance.outlineWidths.slits : 0},
+          {"silhouette_width", appearance.outlines ? appearance.outlineWidths.silhouettes : 0},
           {"mark_size", style.markSize},
           {"mark_lift", picture::kDotLift},
           {"overlay_width", style.overlayWidth},
@@ -512,11 +514,11 @@ Json styleJson(picture::Theme theme, const picture::Look& look) {
           {"measure_lights", lightsJson(styleOf(themed))}};
 }
 
-Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
+Json runJson(const trajectory::TrajectoryReader& run, const picture::Appearance& appearance,
              const PageStates& states) {
   const trajectory::Subject& subject = run.subject();
-  const picture::PictureContent content = record::contentOf(run, stillSettings(look));
-  const picture::PictureSetup setup(look, content, kStillSize);
+  const picture::PictureContent content = record::contentOf(run, stillSettings(appearance));
+  const picture::PictureSetup setup(appearance, content, kStillSize);
   Json statesOfPage = statesJson(run, content, states);
   Json curves = curvesJson(trajectory::curvesAt(trajectory::curvesOf(run), statesOfPage["times"]));
   return {{"name", subject.model.name},
@@ -527,14 +529,15 @@ Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
           {"target", content.target ? polygonsJson(*content.target) : Json(nullptr)},
           {"obstacles", polygonsJson(content.obstacles)},
           {"plate", plateJson(setup.style().plate)},
-          {"views", camerasJson(look, content)},
+          {"views", camerasJson(appearance, content)},
           {"curves", std::move(curves)}};
 }
 
-std::string stillPicture(const trajectory::TrajectoryReader& run, const picture::Look& look) {
-  const record::PictureSettings settings = stillSettings(look);
+std::string stillPicture(const trajectory::TrajectoryReader& run,
+                         const picture::Appearance& appearance) {
+  const record::PictureSettings settings = stillSettings(appearance);
   const record::MotionCurve motion = record::motionOf(run);
-  picture::StatePainter painter(kStillSize, look, record::contentOf(run, settings));
+  picture::StatePainter painter(kStillSize, appearance, record::contentOf(run, settings));
   record::Replay replay(run);
   std::vector<picture::GridPicture> pictures;
   for (const double share : kStillShares) {
@@ -684,10 +687,11 @@ Json cameraJson(const picture::Camera& camera, double aspect) {
 }
 
 /// From the narrowest canvas to the widest.
-Json viewJson(const char* name, const picture::Look& look, const picture::PictureContent& content) {
+Json viewJson(const char* name, const picture::Appearance& appearance,
+              const picture::PictureContent& content) {
   Json fits = Json::array();
   for (const picture::FrameSize size : kSizes) {
-    const picture::PictureSetup setup(look, content, size);
+    const picture::PictureSetup setup(appearance, content, size);
     fits.push_back(cameraJson(setup.camera({0, content.start, {}}), size.aspect()));
   }
   return {{"name", name}, {"fits", std::move(fits)}};
@@ -695,15 +699,15 @@ Json viewJson(const char* name, const picture::Look& look, const picture::Pictur
 
 }  // namespace
 
-Json camerasJson(const picture::Look& look, const picture::PictureContent& content) {
-  Json views = {viewJson("Default", look, content)};
+Json camerasJson(const picture::Appearance& appearance, const picture::PictureContent& content) {
+  Json views = {viewJson("Default", appearance, content)};
   const std::pair<const char*, picture::ViewAngles> others[] = {
       {"Top", picture::kTopView},
       {"Front", picture::kFrontView},
       {"Side", picture::kRightView},
       {"Corner", picture::kIsometricView}};
   for (const auto& [name, view] : others) {
-    picture::Look other = look;
+    picture::Appearance other = appearance;
     other.camera.view = view;
     views.push_back(viewJson(name, other, content));
   }

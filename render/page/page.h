@@ -108,19 +108,20 @@ struct PageStates {
 };
 
 /// The colours, lights, lines and lengths of our pictures for a theme, from render/picture. The
-/// given theme replaces that of the look.
-Json styleJson(picture::Theme theme, const picture::Look& look);
+/// given theme replaces that of the appearance.
+Json styleJson(picture::Theme theme, const picture::Appearance& appearance);
 
 /// One run for stage.js: bricks, poses, joints, measures, target, surroundings and cameras.
 /// Throws InputError if the style needs data that the run lacks. Reads the trajectory once for
 /// the states and once for the curves. Each state of a thousand bricks takes 14 kB before
 /// compression.
-Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
+Json runJson(const trajectory::TrajectoryReader& run, const picture::Appearance& appearance,
              const PageStates& states);
 
 /// Three pictures of the run side by side, at the start, half way and at the end, as a PNG file.
 /// Throws OutputError if painting is impossible.
-std::string stillPicture(const trajectory::TrajectoryReader& run, const picture::Look& look);
+std::string stillPicture(const trajectory::TrajectoryReader& run,
+                         const picture::Appearance& appearance);
 
 // ------------------------------------------------------------------------------------------------
 // Interactive pages: one HTML file that shows runs in 3-D in any browser, without a network.
@@ -142,8 +143,8 @@ struct WebPageSettings {
   /// Files in the folder of each trajectory to embed in the page. Videos can be played, pictures
   /// are shown, others can be saved.
   std::vector<std::string> embedded;
-  double mostMegabytes = 25;  ///< limit; a larger page is refused; 1e6 bytes each
-  picture::Look look;         ///< of all runs
+  double mostMegabytes = 25;       ///< limit; a larger page is refused; 1e6 bytes each
+  picture::Appearance appearance;  ///< of all runs
 };
 
 /// The contents of a file of render/page/web or of three.js by name, such as "page.css", as
@@ -174,6 +175,6 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 /// "field_of_view", "view_height"}, ...]}. The view of the style comes first. Fits are ordered from
 /// narrow to wide, and the page uses the widest one that fits in its canvas. Aspect is width /
 /// height. Costs five fits per view, each O(n) in the points of the content.
-Json camerasJson(const picture::Look& look, const picture::PictureContent& content);
+Json camerasJson(const picture::Appearance& appearance, const picture::PictureContent& content);
 
 }  // namespace kirireel::page

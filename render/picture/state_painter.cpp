@@ -46,28 +46,29 @@ double groundHeight(const PictureContent& content) {
 }
 
 /// Absent if it would show nothing.
-std::optional<GroundPlate> plateFor(const Look& look, const PictureContent& content) {
-  const bool requested = look.ground == GroundLook::Auto ? content.groundHeight.has_value()
-                                                         : look.ground != GroundLook::None;
+std::optional<GroundPlate> plateFor(const Appearance& appearance, const PictureContent& content) {
+  const bool requested = appearance.ground == GroundLook::Auto
+                             ? content.groundHeight.has_value()
+                             : appearance.ground != GroundLook::None;
   if (!requested || content.points.empty()) return std::nullopt;
   GroundPlate plate = groundUnder(content.points, groundHeight(content));
-  plate.visible = look.ground != GroundLook::Shadow;
+  plate.visible = appearance.ground != GroundLook::Shadow;
   return plate;
 }
 
 /// The colours of a page.
-Style pageStyle(const Look& look) {
-  Style style = look.theme == Theme::Dark ? darkStyle() : Style();
-  if (look.background) style.background = *look.background;
+Style pageStyle(const Appearance& appearance) {
+  Style style = appearance.theme == Theme::Dark ? darkStyle() : Style();
+  if (appearance.background) style.background = *appearance.background;
   style.text = readableText(style.text, style.background);
-  if (look.transparent) style.background.alpha = 0;
+  if (appearance.transparent) style.background.alpha = 0;
   return style;
 }
 
 /// The colour behind the bricks.
-Colour groundColour(const Look& look, const PictureContent& content) {
-  const std::optional<GroundPlate> plate = plateFor(look, content);
-  const Style style = pageStyle(look);
+Colour groundColour(const Appearance& appearance, const PictureContent& content) {
+  const std::optional<GroundPlate> plate = plateFor(appearance, content);
+  const Style style = pageStyle(appearance);
   Colour colour = plate && plate->visible ? style.ground : style.background;
   colour.alpha = 255;
   return colour;
@@ -81,31 +82,31 @@ Colour shownFaceOn(Colour base, const Style& style, Colour behind) {
 }
 
 /// In heights of the picture, from points in print.
-void setOutlineWidths(const Look& look, FrameSize size, Style& style) {
-  const double dots = look.pixelsPerInch.value_or(pixelsPerInchOf(size));
-  const double points = look.outlines ? dots / kPointsPerInch / size.height : 0;
-  style.slitWidth = points * look.outlineWidths.slits;
-  style.silhouetteWidth = points * look.outlineWidths.silhouettes;
+void setOutlineWidths(const Appearance& appearance, FrameSize size, Style& style) {
+  const double dots = appearance.pixelsPerInch.value_or(pixelsPerInchOf(size));
+  const double points = appearance.outlines ? dots / kPointsPerInch / size.height : 0;
+  style.slitWidth = points * appearance.outlineWidths.slits;
+  style.silhouetteWidth = points * appearance.outlineWidths.silhouettes;
 }
 
 /// The size limits how thin lines may be.
-Style styleFor(const Look& look, const PictureContent& content, FrameSize size) {
-  Style style = pageStyle(look);
-  style.brick = plainColours(look);
-  if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
-  if (look.occlusion) style.occlusion = *look.occlusion;
-  setOutlineWidths(look, size, style);
+Style styleFor(const Appearance& appearance, const PictureContent& content, FrameSize size) {
+  Style style = pageStyle(appearance);
+  style.brick = plainColours(appearance);
+  if (appearance.outlineColour) style.edge = style.paleEdge = *appearance.outlineColour;
+  if (appearance.occlusion) style.occlusion = *appearance.occlusion;
+  setOutlineWidths(appearance, size, style);
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
-  if (isMeasure(look.colouring)) {
+  if (isMeasure(appearance.colouring)) {
     // Little shading: every face's colour can be found on the scale.
     style.ambient = kMeasureAmbient;
     style.key.strength *= kMeasureShade;
     style.fill.strength *= kMeasureShade;
     style.occlusion *= kMeasureShade;
   }
-  style.plate = plateFor(look, content);
+  style.plate = plateFor(appearance, content);
   // On a plate a shadow hides nothing. On a transparent page it darkens what is under it.
-  if (look.transparent && style.plate && !style.plate->visible) style.shadow = {0, 0, 0, 56};
+  if (appearance.transparent && style.plate && !style.plate->visible) style.shadow = {0, 0, 0, 56};
   return style;
 }
 
@@ -126,8 +127,8 @@ std::vector<Vector3> pointsInView(const PictureContent& content, const Style& st
 }
 
 /// The camera in metres. A flat motion has parallel projection.
-CameraChoice cameraFor(const Look& look, const PictureContent& content) {
-  CameraChoice camera = look.camera;
+CameraChoice cameraFor(const Appearance& appearance, const PictureContent& content) {
+  CameraChoice camera = appearance.camera;
   if (camera.distance) *camera.distance *= content.unit.metres;
   if (camera.view || !content.view) return camera;
   camera.view = content.view->angles;
@@ -177,14 +178,14 @@ double pixelsPerInchOf(FrameSize size) {
   return size.width / kMillimetres * kMillimetresPerInch;
 }
 
-bool needsView(const Look& look) {
-  return !look.camera.view && look.camera.keys.empty();
+bool needsView(const Appearance& appearance) {
+  return !appearance.camera.view && appearance.camera.keys.empty();
 }
 
-void setView(const Look& look, std::span<const Poses> states, PictureContent& content) {
-  const bool zIsUp =
-      look.camera.orbit != 0 || (look.ground == GroundLook::Auto ? content.groundHeight.has_value()
-                                                                 : look.ground != GroundLook::None);
+void setView(const Appearance& appearance, std::span<const Poses> states, PictureContent& content) {
+  const bool zIsUp = appearance.camera.orbit != 0 || (appearance.ground == GroundLook::Auto
+                                                          ? content.groundHeight.has_value()
+                                                          : appearance.ground != GroundLook::None);
   std::vector<std::vector<model::Tile>> shown;
   for (const Poses& poses : states) {
     const std::vector<model::Tile> tiles = brick::bottomTiles(content.bricks, poses);
@@ -265,24 +266,24 @@ Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
   return poses[vertex.tile].apply(0.5 * (brick.bottom[vertex.vertex] + brick.top[vertex.vertex]));
 }
 
-PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize size)
+PictureSetup::PictureSetup(const Appearance& appearance, PictureContent content, FrameSize size)
     : content_(std::move(content)),
-      style_(styleFor(look, content_, requireValidSize(size))),
-      palette_(look, content_),
+      style_(styleFor(appearance, content_, requireValidSize(size))),
+      palette_(appearance, content_),
       size_(size),
-      cameras_(cameraFor(look, content_), pointsInView(content_, style_), size.aspect()),
-      jointMarks_(look.jointMarks),
-      targetLines_(look.targetLines),
-      trails_(look.trails),
-      cueShare_(look.depthCue),
+      cameras_(cameraFor(appearance, content_), pointsInView(content_, style_), size.aspect()),
+      jointMarks_(appearance.jointMarks),
+      targetLines_(appearance.targetLines),
+      trails_(appearance.trails),
+      cueShare_(appearance.depthCue),
       legend_(palette_.legend()) {
   for (LegendEntry& entry : legend_) {
-    entry.colour = shownFaceOn(entry.colour, style_, groundColour(look, content_));
+    entry.colour = shownFaceOn(entry.colour, style_, groundColour(appearance, content_));
   }
   if (targetLines_) requireTarget(content_, "--target-lines");
   requireVertices(trails_, content_.bricks);
-  if (look.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
-  ghosts_ = ghostFaces(look.ghost, content_);
+  if (appearance.ghost == Ghost::Target) requireTarget(content_, "--ghost target");
+  ghosts_ = ghostFaces(appearance.ghost, content_);
   if (cueShare_ > 0 && cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
 }
 
@@ -363,10 +364,10 @@ double PictureSetup::metresPerPixel() const {
       "parallel, or remove --scale-bar");
 }
 
-StatePainter::StatePainter(FrameSize size, const Look& look, PictureContent content,
+StatePainter::StatePainter(FrameSize size, const Appearance& appearance, PictureContent content,
                            const StripParts& parts, Smoothness smoothness)
     : size_(size), parts_(parts), smoothness_(smoothness) {
-  show(look, std::move(content));
+  show(appearance, std::move(content));
 }
 
 StatePainter::StatePainter(std::shared_ptr<const PictureSetup> setup)
@@ -403,9 +404,9 @@ void StatePainter::makePainter() {
   }
 }
 
-void StatePainter::show(const Look& look, PictureContent content) {
-  makeStrip(pageStyle(look), look.colouring);
-  setup_ = std::make_shared<const PictureSetup>(look, std::move(content), strip_->picture());
+void StatePainter::show(const Appearance& appearance, PictureContent content) {
+  makeStrip(pageStyle(appearance), appearance.colouring);
+  setup_ = std::make_shared<const PictureSetup>(appearance, std::move(content), strip_->picture());
   scale_.reset();
   if (parts_.scaleBar) scale_ = setup_->scale();
   makePainter();
@@ -674,9 +675,10 @@ BrickColours evenShades(Colour colour) {
   return shades;
 }
 
-BrickColours plainColours(const Look& look) {
-  BrickColours colours = look.brickColour ? shadesOf(*look.brickColour) : BrickColours();
-  if (look.backColour) colours.bottom = *look.backColour;
+BrickColours plainColours(const Appearance& appearance) {
+  BrickColours colours =
+      appearance.brickColour ? shadesOf(*appearance.brickColour) : BrickColours();
+  if (appearance.backColour) colours.bottom = *appearance.backColour;
   return colours;
 }
 
@@ -705,8 +707,8 @@ void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t
 
 }  // namespace
 
-BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
-    : colouring_(look.colouring), content_(content) {
+BrickPalette::BrickPalette(const Appearance& appearance, const PictureContent& content)
+    : colouring_(appearance.colouring), content_(content) {
   if (colouring_ == Colouring::TargetError && !content.target) {
     throw InputError(
         "error: the model has no target, so there is no target error to show; give another "
@@ -720,31 +722,31 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
         "--colour or add --hinge-stiffness or --hinge-neck");
   }
-  if (look.opacity < 1 || !look.tileOpacities.empty()) findOpacities(look);
+  if (appearance.opacity < 1 || !appearance.tileOpacities.empty()) findOpacities(appearance);
   if (colouring_ == Colouring::Shape) colourShapes();
   if (colouring_ == Colouring::State) {
-    addToLegend(kAtStart, look.opacity, "at its start");
-    addToLegend(kMoving, look.opacity, "on its way");
-    if (content.target) addToLegend(kAtTarget, look.opacity, "at its target");
+    addToLegend(kAtStart, appearance.opacity, "at its start");
+    addToLegend(kMoving, appearance.opacity, "on its way");
+    if (content.target) addToLegend(kAtTarget, appearance.opacity, "at its target");
   }
-  if (!look.tileColours.empty()) colourTiles(look);
+  if (!appearance.tileColours.empty()) colourTiles(appearance);
   const bool hasOwn = !own_.empty() || !opacities_.empty();
-  if (kinds_.empty() && hasOwn) kinds_.assign(content.bricks.size(), plainColours(look));
-  if (isMeasure(colouring_)) makeScale(look);
+  if (kinds_.empty() && hasOwn) kinds_.assign(content.bricks.size(), plainColours(appearance));
+  if (isMeasure(colouring_)) makeScale(appearance);
 }
 
-void BrickPalette::makeScale(const Look& look) {
+void BrickPalette::makeScale(const Appearance& appearance) {
   const double found = largestOfRun();
-  const double most = look.colourMost.value_or(found > 0 ? found : largestExpected());
-  const double least = look.colourLeast.value_or(0);
+  const double most = appearance.colourMost.value_or(found > 0 ? found : largestExpected());
+  const double least = appearance.colourLeast.value_or(0);
   if (least >= most) {
     throw InputError(
         fmt::format("error: --colour-least {:g} is not below {:g}, the scale's other end; give a "
                     "smaller one, or a larger --colour-most",
                     least, most));
   }
-  scale_ = ColourScale{look.map, least, most, titleOf(colouring_, content_.unit),
-                       groundColour(look, content_)};
+  scale_ = ColourScale{appearance.map, least, most, titleOf(colouring_, content_.unit),
+                       groundColour(appearance, content_)};
 }
 
 void BrickPalette::addToLegend(Colour colour, double opacity, std::string text) {
@@ -755,22 +757,22 @@ double BrickPalette::opacityOf(std::size_t brick) const {
   return opacities_.empty() ? 1 : opacities_[brick];
 }
 
-void BrickPalette::findOpacities(const Look& look) {
-  opacities_.assign(content_.bricks.size(), look.opacity);
-  for (const auto& [tiles, opacity] : look.tileOpacities) {
+void BrickPalette::findOpacities(const Appearance& appearance) {
+  opacities_.assign(content_.bricks.size(), appearance.opacity);
+  for (const auto& [tiles, opacity] : appearance.tileOpacities) {
     requireTiles("--tile-opacity", tiles, opacities_.size());
     for (const int tile : tiles) opacities_[tile] = opacity;
   }
 }
 
-void BrickPalette::colourTiles(const Look& look) {
+void BrickPalette::colourTiles(const Appearance& appearance) {
   if (isMeasure(colouring_)) {
     throw InputError(
         "error: --tile-colour works only with --colour plain, shape or state: other colours show "
         "values. Give one of these, or remove --tile-colour");
   }
   own_.resize(content_.bricks.size());
-  for (const auto& [tiles, colour, name] : look.tileColours) {
+  for (const auto& [tiles, colour, name] : appearance.tileColours) {
     requireTiles("--tile-colour", tiles, own_.size());
     for (const int tile : tiles) own_[tile] = evenShades(colour);
     if (!name.empty()) addToLegend(colour, opacityOf(tiles.front()), name);

@@ -107,7 +107,7 @@ double pixelsPerInchOf(FrameSize size);
 
 /// The appearance of all pictures of a run. Defaults are those of a run without any picture
 /// options.
-struct Look {
+struct Appearance {
   Theme theme = Theme::Light;              ///< colours without another setting
   bool transparent = false;                ///< no background
   Colouring colouring = Colouring::Plain;  ///< meaning of the bricks' colours
@@ -131,8 +131,8 @@ struct Look {
   /// Brightness loss of a face that other bricks fully occlude, [0, 1]; absent: the
   /// style's.
   std::optional<double> occlusion;
-  bool jointMarks = false;    ///< a dot on each joint
-  bool targetLines = false;   ///< the target's tiles as lines, dashed where bricks hide them
+  bool jointMarks = false;           ///< a dot on each joint
+  bool targetLines = false;          ///< the target's tiles as lines, dashed where bricks hide them
   std::vector<TracedVertex> trails;  ///< their paths until each picture, as lines
   Ghost ghost = Ghost::None;         ///< state drawn as pale transparent bricks
   /// Share of the background's colour in the farthest faces of the run, [0, 1]; see DepthCue.
@@ -211,11 +211,11 @@ struct TimedPath {
 
 /// Contents of the pictures of a run, made once for all pictures. Lengths are in metres.
 struct PictureContent {
-  std::vector<brick::Brick> bricks;                ///< one per tile
-  LengthUnit unit;                                 ///< of the model, for texts
-  Poses start;                                     ///< one per brick
-  std::vector<brick::Pivot> pivots;                ///< of all joints
-  brick::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
+  std::vector<brick::Brick> bricks;  ///< one per tile
+  LengthUnit unit;                   ///< of the model, for texts
+  Poses start;                       ///< one per brick
+  std::vector<brick::Pivot> pivots;  ///< of all joints
+  brick::PairForces pairForces;      ///< springs at hinges, ligaments, ...
   /// Tiles that stretch and bend, with their states; null without them and before the run.
   std::shared_ptr<const trajectory::LoadedPanels> panels;
   std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
@@ -224,9 +224,9 @@ struct PictureContent {
   /// Size of the model, metres; infinity if bricks are shown at any distance.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< points that cameras keep in view, world axes
-  /// Selected for the motion if the look has an automatic view; absent: by the points.
+  /// Selected for the motion if the appearance has an automatic view; absent: by the points.
   std::optional<AutomaticView> view;
-  /// The paths of the look's trails, in their order; empty before the run.
+  /// The paths of the appearance's trails, in their order; empty before the run.
   std::vector<TimedPath> paths;
   /// Of the run, one pose per brick. They determine the ranges of the colours' values and of the
   /// depth cue. Empty before the run.
@@ -240,7 +240,7 @@ bool isMeasure(Colouring colouring);
 BrickColours evenShades(Colour colour);
 
 /// The colours of bricks without their own colours.
-BrickColours plainColours(const Look& look);
+BrickColours plainColours(const Appearance& appearance);
 
 /// Zero-based numbers of the shapes of tiles, one per brick, in order of appearance. Congruent
 /// tiles and mirror images have the same number. With more than seven shapes, the numbers depend
@@ -254,7 +254,7 @@ class BrickPalette {
   /// ends of the scale are in the wrong order, if tiles with a colour or an opacity do not
   /// exist, and if tiles have colours although colours show values. The content must outlive
   /// the palette.
-  BrickPalette(const Look& look, const PictureContent& content);
+  BrickPalette(const Appearance& appearance, const PictureContent& content);
 
   /// One entry per brick; empty if all bricks have the style's colours. `poses` has one pose per
   /// brick. `time` of the poses in simulated seconds: poses of panels show neither energy nor
@@ -266,18 +266,18 @@ class BrickPalette {
   /// The legend of colours of kinds of bricks: shapes, states, named groups. Unlit, with the
   /// opacity of the kind's first brick.
   const std::vector<LegendEntry>& legend() const { return legend_; }
-  /// The look's colouring.
+  /// The appearance's colouring.
   Colouring colouring() const { return colouring_; }
 
  private:
   std::vector<double> values(const Poses& poses, double time) const;
   std::vector<BrickColours> stateColours(const Poses& poses) const;
   void colourShapes();
-  void colourTiles(const Look& look);
-  void findOpacities(const Look& look);
+  void colourTiles(const Appearance& appearance);
+  void findOpacities(const Appearance& appearance);
   void addToLegend(Colour colour, double opacity, std::string text);
   double opacityOf(std::size_t brick) const;
-  void makeScale(const Look& look);
+  void makeScale(const Appearance& appearance);
   double largestExpected() const;
   double largestOfRun() const;
 
@@ -291,7 +291,7 @@ class BrickPalette {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Paints states of a run with one look and one camera for all its pictures.
+// Paints states of a run with one appearance and one camera for all its pictures.
 
 /// Minimum width of lines over a picture, pixels.
 inline constexpr double kThinnestOverlay = 1.2;
@@ -326,8 +326,8 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
 /// Adds the same corners to the points that cameras keep in view.
 void keepInView(PictureContent& content, const Poses& poses);
 
-/// Whether the look requests an automatic camera direction.
-bool needsView(const Look& look);
+/// Whether the appearance requests an automatic camera direction.
+bool needsView(const Appearance& appearance);
 
 /// Throws InputError for a vertex that no brick has.
 void requireVertices(const std::vector<TracedVertex>& trails,
@@ -338,14 +338,14 @@ Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
                        const TracedVertex& vertex);
 
 /// Selects the view of a motion from some of its states. The first state is its start.
-void setView(const Look& look, std::span<const Poses> states, PictureContent& content);
+void setView(const Appearance& appearance, std::span<const Poses> states, PictureContent& content);
 
 /// All inputs of a picture except the painter: items, style and cameras. Needs no graphics
 /// context.
 class PictureSetup {
  public:
-  /// Throws InputError if the look requires something that the content lacks.
-  PictureSetup(const Look& look, PictureContent content, FrameSize size);
+  /// Throws InputError if the appearance requires something that the content lacks.
+  PictureSetup(const Appearance& appearance, PictureContent content, FrameSize size);
   PictureSetup(const PictureSetup&) = delete;
   PictureSetup& operator=(const PictureSetup&) = delete;
 
@@ -406,7 +406,7 @@ class StatePainter {
   /// size: of the pictures, with the strip below them if it has parts. The strip explains colours
   /// only if they show a measure. Throws like PictureSetup and Painter, and OutputError if the font
   /// is missing.
-  StatePainter(FrameSize size, const Look& look, PictureContent content,
+  StatePainter(FrameSize size, const Appearance& appearance, PictureContent content,
                const StripParts& parts = {}, Smoothness smoothness = Smoothness::Still);
 
   /// Pictures of this setup without a strip. Throws OutputError if there is no graphics context.
@@ -421,7 +421,7 @@ class StatePainter {
 
   /// Sets new content for pictures of the same size; faster than a new painter. Throws like
   /// PictureSetup.
-  void show(const Look& look, PictureContent content);
+  void show(const Appearance& appearance, PictureContent content);
 
   /// The picture of a state with its strip. storage: an unused frame, whose memory the picture
   /// reuses. Throws InputError if the camera is inside a brick, and like Painter::paint().
@@ -439,8 +439,8 @@ class StatePainter {
   Smoothness smoothness_;
   std::optional<Strip> strip_;  ///< made for each content, like the setup; always present
   std::shared_ptr<const PictureSetup> setup_;
-  std::optional<Painter> painter_;        ///< made again when the strip's height changes
-  std::optional<PictureScale> scale_;     ///< present if there is a scale bar
+  std::optional<Painter> painter_;     ///< made again when the strip's height changes
+  std::optional<PictureScale> scale_;  ///< present if there is a scale bar
 };
 
 }  // namespace kirireel::picture

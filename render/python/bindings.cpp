@@ -445,7 +445,7 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
 /// Completed fraction of the camera's orbit at a time, as in a video at an even pace, [0, 1]. Only
 /// an orbit needs the whole run.
 double orbitBehind(const MemoryRun& run, const record::PictureSettings& settings, double time) {
-  if (settings.look.camera.orbit == 0) return 0;
+  if (settings.appearance.camera.orbit == 0) return 0;
   return record::momentAt(record::motionOf(run.reader), record::Pace::Even, time).turn;
 }
 
@@ -462,7 +462,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
     if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
     const trajectory::Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
     // As in frames: if colours show values, a bar below the picture is their scale.
-    picture::StatePainter painter(settings.size, settings.look,
+    picture::StatePainter painter(settings.size, settings.appearance,
                                   record::contentOf(run.reader, settings), {.colours = true});
     *frame = painter.paint(
         {sample.time, sample.poses, sample.pinned, orbitBehind(run, settings, sample.time)});
@@ -480,6 +480,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
 /// Writes the files of `kirireel record` from the existing samples. An interruption leaves the
 /// folder unchanged.
 std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
+  if (folder.empty()) throw InputError("error: the folder's name is empty; give one");
   return withoutInterpreter([&] {
     record::RecordSettings settings = run.order.settings;
     settings.folder = folder;

@@ -54,7 +54,7 @@ constexpr int kSmallWidth = 320;
 constexpr double kNearlySame = 0.005;
 
 double pixelsPerInch(const PictureSettings& settings) {
-  return settings.look.pixelsPerInch.value_or(picture::pixelsPerInchOf(settings.size));
+  return settings.appearance.pixelsPerInch.value_or(picture::pixelsPerInchOf(settings.size));
 }
 
 int emOf(const PictureSettings& settings) {

@@ -60,15 +60,15 @@ struct PictureSettings {
   /// Text of a card before the video, UTF-8, with line feeds. No card if title and subtitle are
   /// empty.
   std::string title;
-  std::string subtitle;     ///< below the title, UTF-8; empty: none
-  picture::Look look;       ///< of all pictures
-  picture::GridShape grid;  ///< of the snapshots
+  std::string subtitle;            ///< below the title, UTF-8; empty: none
+  picture::Appearance appearance;  ///< of all pictures
+  picture::GridShape grid;         ///< of the snapshots
   /// Captions of the grid's pictures and the video's frames. Absent: only in the grid, progress at
   /// an even pace, time at real pace, none if its columns have headers.
   std::optional<picture::CaptionParts> captions;
   /// A scale bar in the grid and the video; requires a parallel projection.
   bool scaleBar = false;
-  bool progressBar = false;           ///< under the video
+  bool progressBar = false;  ///< under the video
   /// A curve in a corner of the frames, with a dot at their time; see Inset. Empty: none.
   std::string inset;
   std::optional<double> dotsPerInch;  ///< stored in PNG files, for print

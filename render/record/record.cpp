@@ -344,7 +344,7 @@ void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings
   if (!asked.paints()) return;
   PictureSettings settings = asked;
   const MotionCurve motion = motionOf(run);
-  if (asked.snapshots && isStill(run, motion, asked.look.camera)) {
+  if (asked.snapshots && isStill(run, motion, asked.appearance.camera)) {
     settings.video = settings.frames = false;
     settings.grid = {1, 1};
     settings.columnHeads.clear();
@@ -454,7 +454,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   settings.folder = files.stage();
   settings.madeBy = madeBy({scene.model.name}, settings.order);
   // One scale held for the start and the target; it must hold for a motion that leaves their plane.
-  if (settings.scaleBar) settings.look.camera.orthographic = true;
+  if (settings.scaleBar) settings.appearance.camera.orthographic = true;
 
   RunSummary summary;
   LiveRun run(scene, settings, observer, deployer);

@@ -78,7 +78,7 @@ void keepPaths(picture::PictureContent& content, const trajectory::TrajectoryRea
 }
 
 /// From the start, the middle of the motion and the end.
-void chooseViewOf(const trajectory::TrajectoryReader& run, const picture::Look& look,
+void chooseViewOf(const trajectory::TrajectoryReader& run, const picture::Appearance& appearance,
                   picture::PictureContent& content) {
   Replay replayed(run);
   std::vector<Poses> states;
@@ -86,20 +86,20 @@ void chooseViewOf(const trajectory::TrajectoryReader& run, const picture::Look& 
   for (const double share : {0.0, 0.5, 1.0}) {
     states.push_back(replayed.at(share > 0 ? motion.timeAt(share) : 0).poses);
   }
-  picture::setView(look, states, content);
+  picture::setView(appearance, states, content);
 }
 
 /// Without a target there is only one end, so the whole run counts.
 bool fitsEnds(const model::Model& model, const PictureSettings& settings) {
-  if (settings.look.fit == picture::FitScope::Auto) return model.target.has_value();
-  return settings.look.fit == picture::FitScope::Ends;
+  if (settings.appearance.fit == picture::FitScope::Auto) return model.target.has_value();
+  return settings.appearance.fit == picture::FitScope::Ends;
 }
 
 /// Whether the program chose the camera, so it must not cut anything off.
 bool choosesCamera(const PictureSettings& settings) {
-  const picture::CameraChoice& camera = settings.look.camera;
-  return settings.look.fit == picture::FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
-         !camera.distance;
+  const picture::CameraChoice& camera = settings.appearance.camera;
+  return settings.appearance.fit == picture::FitScope::Auto && camera.zoom == 1 &&
+         camera.keys.empty() && !camera.distance;
 }
 
 /// Clip coordinates outside [-w, w] are outside the picture.
@@ -137,30 +137,32 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings) {
   picture::PictureContent content = contentOf(run.subject());
   content.panels = run.end().panels;
-  if (picture::needsView(settings.look)) chooseViewOf(run, settings.look, content);
-  const bool fits = fitsEnds(run.subject().model, settings) &&
-                    (!choosesCamera(settings) ||
-                     showsRun(run, picture::PictureSetup(settings.look, content, settings.size)));
+  if (picture::needsView(settings.appearance)) chooseViewOf(run, settings.appearance, content);
+  const bool fits =
+      fitsEnds(run.subject().model, settings) &&
+      (!choosesCamera(settings) ||
+       showsRun(run, picture::PictureSetup(settings.appearance, content, settings.size)));
   if (!fits) keepRunInView(content, run);
-  const bool needsScale = picture::isMeasure(settings.look.colouring) && !settings.look.colourMost;
-  if (needsScale || settings.look.depthCue > 0) keepStates(content, run);
-  picture::requireVertices(settings.look.trails, content.bricks);
-  if (!settings.look.trails.empty()) keepPaths(content, run, settings.look.trails);
+  const bool needsScale =
+      picture::isMeasure(settings.appearance.colouring) && !settings.appearance.colourMost;
+  if (needsScale || settings.appearance.depthCue > 0) keepStates(content, run);
+  picture::requireVertices(settings.appearance.trails, content.bricks);
+  if (!settings.appearance.trails.empty()) keepPaths(content, run, settings.appearance.trails);
   return content;
 }
 
 std::optional<picture::AutomaticView> viewOf(const trajectory::TrajectoryReader& run,
-                                             const picture::Look& look) {
-  if (look.camera.view) return picture::AutomaticView{*look.camera.view};
-  if (!picture::needsView(look)) return std::nullopt;
+                                             const picture::Appearance& appearance) {
+  if (appearance.camera.view) return picture::AutomaticView{*appearance.camera.view};
+  if (!picture::needsView(appearance)) return std::nullopt;
   picture::PictureContent content = contentOf(run.subject());
-  chooseViewOf(run, look, content);
+  chooseViewOf(run, appearance, content);
   return content.view;
 }
 
 void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings) {
   if (!settings.paints()) return;
-  const picture::PictureSetup setup(settings.look, content, settings.size);
+  const picture::PictureSetup setup(settings.appearance, content, settings.size);
   if (settings.scaleBar) setup.metresPerPixel();
   requireInset(settings);
 }
@@ -215,7 +217,7 @@ FramePainter::FramePainter(const trajectory::TrajectoryReader& run, const Pictur
                            const SideTexts& texts)
     : captions_(
           std::make_shared<const CaptionWriter>(settings.captionParts(), contentOf(run.subject()))),
-      painter_(settings.size, settings.look, contentOf(run, settings),
+      painter_(settings.size, settings.appearance, contentOf(run, settings),
                stripParts(settings,
                           texts.longestCaption.empty() ? longestCaption(run, *captions_)
                                                        : texts.longestCaption,
@@ -230,7 +232,7 @@ void FramePainter::addInset(const trajectory::TrajectoryReader& run,
 }
 
 void FramePainter::show(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
-  painter_.show(settings.look, setup().content());
+  painter_.show(settings.appearance, setup().content());
   addInset(run, settings);
 }
 
@@ -369,7 +371,7 @@ RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureS
   painters_.emplace_back(run, settings);
   report_.graphics = picture::graphicsVersion();
   report_.view = painters_.front().setup().content().view;
-  if (settings.look.camera.view) report_.view = {*settings.look.camera.view};
+  if (settings.appearance.camera.view) report_.view = {*settings.appearance.camera.view};
 }
 
 void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
@@ -386,7 +388,7 @@ picture::Frame RunPictures::paintStill(const FrameState& state) {
 
 /// Interpolates states at the times of the grid instead of using the nearest samples.
 void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
-  PanelRow row{settings_.look, painters_.front().setup().content(), {}, {}, {}};
+  PanelRow row{settings_.appearance, painters_.front().setup().content(), {}, {}, {}};
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
     row.states.push_back({moment, replayed.at(moment.time)});
@@ -443,7 +445,7 @@ picture::VideoSettings videoSettings(const PictureSettings& settings) {
           .crf = settings.crf,
           .preset = settings.preset,
           .encoder = settings.encoder,
-          .transparent = settings.look.transparent && picture::hasAlpha(settings.videoFile),
+          .transparent = settings.appearance.transparent && picture::hasAlpha(settings.videoFile),
           .description = settings.madeBy};
 }
 
@@ -606,10 +608,10 @@ void PanelSheet::setUp(const std::vector<Cut>& cuts, std::optional<double> pixel
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const picture::FrameSize size =
         picture::PictureBox{0, 0, settings_.size}.scaled(cuts[row].scale).size;
-    picture::Look look = rows_[row].look;
-    look.pixelsPerInch = pixelsPerInch;
+    picture::Appearance appearance = rows_[row].appearance;
+    appearance.pixelsPerInch = pixelsPerInch;
     setups_.push_back(
-        std::make_shared<const picture::PictureSetup>(look, rows_[row].content, size));
+        std::make_shared<const picture::PictureSetup>(appearance, rows_[row].content, size));
   }
 }
 
@@ -862,10 +864,10 @@ void PanelSheet::draw(picture::Canvas& page, const Eigen::Vector2d& corner,
 namespace {
 
 /// Throws InputError if a common scale is requested for a perspective or a moving camera.
-picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> runs,
-                         const PictureSettings& settings) {
-  picture::Look look = settings.look;
-  picture::CameraChoice& camera = look.camera;
+picture::Appearance sharedAppearance(std::span<const trajectory::TrajectoryReader* const> runs,
+                                     const PictureSettings& settings) {
+  picture::Appearance appearance = settings.appearance;
+  picture::CameraChoice& camera = appearance.camera;
   if (settings.sameScale) {
     if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
       throw InputError(
@@ -874,18 +876,18 @@ picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> ru
     }
     camera.orthographic = true;
   }
-  if (settings.sameView && picture::needsView(look)) {
-    const picture::AutomaticView view = *viewOf(*runs.front(), look);
+  if (settings.sameView && picture::needsView(appearance)) {
+    const picture::AutomaticView view = *viewOf(*runs.front(), appearance);
     camera.view = view.angles;
     if (!camera.orthographic && view.isFlat && camera.orbit == 0) camera.orthographic = true;
   }
-  return look;
+  return appearance;
 }
 
 /// Reads the motion of the run and the states for its pictures.
 PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
                  int states) {
-  PanelRow row{settings.look, contentOf(run, settings), {}, {}, {}};
+  PanelRow row{settings.appearance, contentOf(run, settings), {}, {}, {}};
   const MotionCurve motion = motionOf(run);
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings, states)) {
@@ -897,22 +899,22 @@ PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings&
   return row;
 }
 
-/// Changes the looks of pictures to the largest scale of length, if requested, and of colour.
+/// Changes the appearances of pictures to the largest scale of length, if requested, and of colour.
 /// Returns whether anything changed.
 bool shareScales(const PictureSettings& settings,
                  const std::vector<const picture::PictureSetup*>& setups,
-                 const std::vector<picture::Look*>& looks) {
+                 const std::vector<picture::Appearance*>& appearances) {
   std::vector<double> heights;
   double most = 0;
   for (const picture::PictureSetup* setup : setups) {
     if (settings.sameScale) heights.push_back(setup->metresPerPixel());
     if (setup->colourScale()) most = std::max(most, setup->colourScale()->most);
   }
-  for (std::size_t k = 0; k < looks.size(); ++k) {
+  for (std::size_t k = 0; k < appearances.size(); ++k) {
     if (settings.sameScale) {
-      looks[k]->camera.zoom *= heights[k] / *std::ranges::max_element(heights);
+      appearances[k]->camera.zoom *= heights[k] / *std::ranges::max_element(heights);
     }
-    if (most > 0) looks[k]->colourMost = most;
+    if (most > 0) appearances[k]->colourMost = most;
   }
   return settings.sameScale || most > 0;
 }
@@ -933,7 +935,7 @@ std::vector<std::string> namesOf(std::span<const trajectory::TrajectoryReader* c
 std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& asked) {
   PictureSettings settings = asked;
-  settings.look = sharedLook(runs, asked);
+  settings.appearance = sharedAppearance(runs, asked);
   const int states = runs.size() == 1 ? settings.grid.cells() : settings.grid.columns;
   std::vector<PanelRow> rows;
   for (const trajectory::TrajectoryReader* run : runs) {
@@ -941,13 +943,14 @@ std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* c
   }
   std::vector<std::unique_ptr<picture::PictureSetup>> made;
   std::vector<const picture::PictureSetup*> setups;
-  std::vector<picture::Look*> looks;
+  std::vector<picture::Appearance*> appearances;
   for (PanelRow& row : rows) {
-    made.push_back(std::make_unique<picture::PictureSetup>(row.look, row.content, settings.size));
+    made.push_back(
+        std::make_unique<picture::PictureSetup>(row.appearance, row.content, settings.size));
     setups.push_back(made.back().get());
-    looks.push_back(&row.look);
+    appearances.push_back(&row.appearance);
   }
-  shareScales(settings, setups, looks);
+  shareScales(settings, setups, appearances);
   return rows;
 }
 
@@ -971,8 +974,8 @@ void makeSideBySide(std::span<const trajectory::TrajectoryReader* const> runs,
                     const std::vector<std::string>& names, const PictureSettings& settings,
                     const ProgressObserver& observer, PictureReport& report) {
   PictureSettings part = settings;
-  part.look = sharedLook(runs, settings);
-  part.look.pixelsPerInch = picture::pixelsPerInchOf(settings.size);
+  part.appearance = sharedAppearance(runs, settings);
+  part.appearance.pixelsPerInch = picture::pixelsPerInchOf(settings.size);
   part.size.width = partWidth(settings, runs.size());
   std::vector<FilmedRun> filmed;
   std::vector<std::string> captions;
@@ -988,12 +991,12 @@ void makeSideBySide(std::span<const trajectory::TrajectoryReader* const> runs,
   }
   std::vector<PictureSettings> parts(runs.size(), part);
   std::vector<const picture::PictureSetup*> setups;
-  std::vector<picture::Look*> looks;
+  std::vector<picture::Appearance*> appearances;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     setups.push_back(&painters[k].setup());
-    looks.push_back(&parts[k].look);
+    appearances.push_back(&parts[k].appearance);
   }
-  if (shareScales(settings, setups, looks)) {
+  if (shareScales(settings, setups, appearances)) {
     for (std::size_t k = 0; k < runs.size(); ++k) painters[k].show(*runs[k], parts[k]);
   }
   report.graphics = picture::graphicsVersion();

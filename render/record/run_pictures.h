@@ -32,9 +32,9 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings);
 
 /// The view of a finished run's pictures: the one given, or the one that is chosen for the motion.
-/// Null if the camera follows keys. Of the look, only the camera and the ground matter.
+/// Null if the camera follows keys. Of the appearance, only the camera and the ground matter.
 std::optional<picture::AutomaticView> viewOf(const trajectory::TrajectoryReader& run,
-                                             const picture::Look& look);
+                                             const picture::Appearance& appearance);
 
 /// Throws InputError before a deployment if the style or the grid needs data that the content
 /// lacks. Needs no graphics context.
@@ -93,7 +93,7 @@ class FramePainter {
   /// The frame of a state with its strip and its inset. storage: an unused frame.
   picture::Frame paint(const FrameState& state, picture::Frame storage = {});
 
-  /// Paints with another look from now on.
+  /// Paints with another appearance from now on.
   void show(const trajectory::TrajectoryReader& run, const PictureSettings& settings);
 
   const CaptionWriter& captions() const { return *captions_; }
@@ -219,7 +219,7 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 /// States of one run in a row of a sheet. Rows of a figure may have different models. A single run
 /// has one row, which fills all cells.
 struct PanelRow {
-  picture::Look look;                 ///< of all its pictures
+  picture::Appearance appearance;     ///< of all its pictures
   picture::PictureContent content;    ///< of the run
   std::vector<FrameState> states;     ///< one per picture, from left to right
   std::vector<std::string> captions;  ///< one per state

@@ -252,21 +252,21 @@ const char* wordOf(const Choices& choices, Choice choice) {
   return std::ranges::find(choices, choice, &Choices::value_type::second)->first;
 }
 
-Json lookJson(const picture::Look& look) {
-  return {{"theme", look.theme == picture::Theme::Dark ? "dark" : "light"},
-          {"colour", colouringWord(look.colouring)},
-          {"ground", wordOf(picture::kGroundLooks, look.ground)},
-          {"transparent", look.transparent},
-          {"outlines", look.outlines},
-          {"joint_marks", look.jointMarks},
-          {"target_lines", look.targetLines},
-          {"trails", look.trails.size()},
-          {"ghost", wordOf(picture::kGhosts, look.ghost)},
-          {"depth_cue", look.depthCue},
-          {"zoom", look.camera.zoom},
-          {"margin", look.camera.margin},
-          {"orbit", look.camera.orbit},
-          {"camera_keys", look.camera.keys.size()}};
+Json appearanceJson(const picture::Appearance& appearance) {
+  return {{"theme", appearance.theme == picture::Theme::Dark ? "dark" : "light"},
+          {"colour", colouringWord(appearance.colouring)},
+          {"ground", wordOf(picture::kGroundLooks, appearance.ground)},
+          {"transparent", appearance.transparent},
+          {"outlines", appearance.outlines},
+          {"joint_marks", appearance.jointMarks},
+          {"target_lines", appearance.targetLines},
+          {"trails", appearance.trails.size()},
+          {"ghost", wordOf(picture::kGhosts, appearance.ghost)},
+          {"depth_cue", appearance.depthCue},
+          {"zoom", appearance.camera.zoom},
+          {"margin", appearance.camera.margin},
+          {"orbit", appearance.camera.orbit},
+          {"camera_keys", appearance.camera.keys.size()}};
 }
 
 /// Sizes in pixels.
@@ -274,8 +274,8 @@ Json pictureJson(const RecordSettings& settings) {
   return {{"width", settings.size.width},
           {"height", settings.size.height},
           {"frames_per_second", settings.framesPerSecond},
-          {"view", viewJson(settings.look.camera.view)},
-          {"look", lookJson(settings.look)},
+          {"view", viewJson(settings.appearance.camera.view)},
+          {"look", appearanceJson(settings.appearance)},
           {"grid_rows", settings.grid.rows},
           {"grid_columns", settings.grid.columns},
           {"pace", settings.pace == Pace::Even ? "even" : "real"},

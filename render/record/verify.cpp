@@ -329,16 +329,16 @@ class Verifier {
     if (stated.is_null()) return;
     const Json& pictures = summary.at("settings").at("pictures");
     const Json& given = pictures.at("view");
-    picture::Look look;
-    look.camera.orbit = pictures.at("look").at("orbit");
+    picture::Appearance appearance;
+    appearance.camera.orbit = pictures.at("look").at("orbit");
     const std::string ground = pictures.at("look").at("ground");
     for (const auto& [word, choice] : picture::kGroundLooks) {
-      if (ground == word) look.ground = choice;
+      if (ground == word) appearance.ground = choice;
     }
     if (!given.is_null()) {
-      look.camera.view = {given.at("azimuth"), given.at("elevation"), given.at("roll")};
+      appearance.camera.view = {given.at("azimuth"), given.at("elevation"), given.at("roll")};
     }
-    const picture::ViewAngles view = viewOf(run, look)->angles;
+    const picture::ViewAngles view = viewOf(run, appearance)->angles;
     for (const auto& [name, angle] : {std::pair{"azimuth_deg", view.azimuth},
                                       {"elevation_deg", view.elevation},
                                       {"roll_deg", view.roll}}) {

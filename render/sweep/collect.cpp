@@ -459,7 +459,7 @@ class EndStatePainter {
     if (painter_) {
       painter_->show({}, content);
     } else {
-      painter_.emplace(kPictureSize, picture::Look(), content);
+      painter_.emplace(kPictureSize, picture::Appearance(), content);
     }
     return painter_->paint({0, content.start, {}});
   }

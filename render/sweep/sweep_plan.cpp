@@ -190,10 +190,15 @@ bool isFileKey(const std::string& key) {
   return key == "model" || key == "target" || key == "scene";
 }
 
-/// Names of files are relative to the sweep file.
+/// Names of files are relative to the sweep file. Other names without a folder are kept: they may
+/// be those of models that the program knows.
 SweepValue readValue(const std::string& key, const scene::TomlValue& value) {
   std::string text = scene::typedText(value);
-  if (isFileKey(key)) text = (value.where.file.parent_path() / text).lexically_normal().string();
+  if (isFileKey(key)) {
+    const std::filesystem::path near = (value.where.file.parent_path() / text).lexically_normal();
+    const bool isName = key != "scene" && !std::filesystem::path(text).has_parent_path();
+    if (!isName || std::filesystem::exists(near)) text = near.string();
+  }
   return {text, value.truth() != nullptr, value.where};
 }
 

@@ -349,14 +349,14 @@ SettingGroup pathSettings() {
            "least number of equilibria up to the full load, with [[grip]]"),
        number<&Scene::path, &PathSettings::openTime>(
            "open_time", kFromZero, "SECONDS",
-           "of initial expansion from the centre, with `path = guided`")
+           "duration of the initial expansion from the centre, with `path = guided`")
            .with(isGuided, kGuided),
        number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
-                                                      "of guiding, with `path = guided`")
+                                                      "duration of guiding, with `path = guided`")
            .with(isGuided, kGuided),
        specialNumber(
            "joint_ratio", "R", "exact joints first, softer ones if they do not arrive",
-           "joints that open: their stiffness over that by which one tile is held at its place",
+           "compliant joints: their stiffness over that of the springs of one tile",
            [](Scene& scene, const TypedValue& typed) {
              scene.path.jointRatio = parseNumber(typed, {1e-6, 1e12});
            },
@@ -562,8 +562,8 @@ std::string whyDynamics(const Scene& scene) {
 // ------------------------------------------------------------------------------------------------
 // Conversion of texts to values and back. std::from_chars reads numbers independent of the locale.
 // They are written with the fewest digits that read back as the same double. A converted value
-// (degrees to radians) is written so that converting it again gives the same bits: first with 6 to
-// 17 digits, then with the doubles next to the guess.
+// (degrees to radians) gets the digits that give the same bits when they are converted again. The
+// search tries 6 to 17 digits, then the doubles next to the guess.
 
 namespace {
 

@@ -281,8 +281,8 @@ const Study& studyNamed(const std::string& name) {
     names.push_back(study.name);
   }
   names.emplace_back("all");
-  throw InputError(fmt::format("error: no study {}{}; there are {}", name, suggestion(name, names),
-                               fmt::join(names, ", ")));
+  throw InputError(fmt::format("error: there is no study {}{}; choose {}", name,
+                               suggestion(name, names), fmt::join(names, ", ")));
 }
 
 }  // namespace kirireel::study

@@ -1,6 +1,6 @@
 // Default deployments: every model of the given folders as `kirireel record` would deploy it, or
-// members of all families drawn at random, one per row. Prints where it ended against the least error
-// found (without a target, the factor by which the tiles' squared distances from their centre
+// members of all families drawn at random, one per row. Prints where it ended against the least
+// error found (without a target, the factor by which the tiles' squared distances from their centre
 // grew), how deep bricks overlapped beyond the start, the largest joint gap (where joints open,
 // also the least that the string method finds), the path's length over the one of the tiles' own
 // motions (and the mobility of the tiles if it is long), how far states are from the symmetries

@@ -80,7 +80,7 @@ void printVideo(int frames, const fs::path& folder) {
   settings.video = settings.snapshots = settings.meshes = false;
   settings.length = static_cast<double>(frames) / kRate;
   settings.hold = 0;
-  settings.look.camera.view = picture::kIsometricView;
+  settings.appearance.camera.view = picture::kIsometricView;
   record::record(slowScene(frames), settings, proceed);
   settings.video = true;
   settings.folder = folder / "video";

@@ -161,7 +161,7 @@ TEST(CommandLine, ReadsEveryPictureOption) {
   EXPECT_EQ(settings.size, (picture::FrameSize{640, 360}));
   EXPECT_EQ(settings.framesPerSecond, 30);
   EXPECT_EQ(settings.grid, (picture::GridShape{2, 4}));
-  EXPECT_EQ(settings.look.camera.view, picture::kTopView);
+  EXPECT_EQ(settings.appearance.camera.view, picture::kTopView);
   EXPECT_EQ(settings.spacing, record::SnapshotSpacing::Time);
   EXPECT_TRUE(settings.captions->angle && settings.captions->gap);
   EXPECT_FALSE(settings.captions->time || settings.captions->error);
@@ -175,45 +175,49 @@ TEST(CommandLine, ReadsEveryPictureOption) {
 }
 
 TEST(CommandLine, ReadsEveryOptionOfTheLook) {
-  const picture::Look look =
+  const picture::Appearance appearance =
       recordOrder({"record", "fan", "--theme", "dark", "--colour", "rotation", "--colour-map",
                    "cividis", "--colour-most", "90", "--ground-look", "shadow", "--transparent",
                    "--no-outlines", "--mark-joints", "--target-lines"})
-          .settings.look;
-  EXPECT_EQ(look.theme, picture::Theme::Dark);
-  EXPECT_EQ(look.colouring, picture::Colouring::Rotation);
-  EXPECT_EQ(look.map, picture::ColourMap::Cividis);
-  EXPECT_EQ(look.colourMost, 90);
-  EXPECT_EQ(recordOrder({"record", "fan", "--brick-colour", "#102030"}).settings.look.brickColour,
-            (picture::Colour{16, 32, 48}));
-  EXPECT_EQ(look.ground, picture::GroundLook::Shadow);
-  EXPECT_TRUE(look.transparent && look.jointMarks && look.targetLines);
-  EXPECT_FALSE(look.outlines);
+          .settings.appearance;
+  EXPECT_EQ(appearance.theme, picture::Theme::Dark);
+  EXPECT_EQ(appearance.colouring, picture::Colouring::Rotation);
+  EXPECT_EQ(appearance.map, picture::ColourMap::Cividis);
+  EXPECT_EQ(appearance.colourMost, 90);
+  EXPECT_EQ(
+      recordOrder({"record", "fan", "--brick-colour", "#102030"}).settings.appearance.brickColour,
+      (picture::Colour{16, 32, 48}));
+  EXPECT_EQ(appearance.ground, picture::GroundLook::Shadow);
+  EXPECT_TRUE(appearance.transparent && appearance.jointMarks && appearance.targetLines);
+  EXPECT_FALSE(appearance.outlines);
 }
 
 TEST(CommandLine, ReadsADepthCue) {
-  const auto cueOf = [](const Words& words) { return recordOrder(words).settings.look.depthCue; };
+  const auto cueOf = [](const Words& words) {
+    return recordOrder(words).settings.appearance.depthCue;
+  };
   EXPECT_EQ(cueOf({"record", "fan"}), 0);
   EXPECT_EQ(cueOf({"record", "fan", "--depth-cue", "0.5"}), 0.5);
 }
 
 TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
-  const picture::Look look =
+  const picture::Appearance appearance =
       recordOrder({"record", "fan", "--view", "-60,35", "--projection", "parallel", "--zoom", "2",
                    "--margin", "0.1", "--fit", "ends", "--orbit", "180", "--camera-keys",
                    "0:50:-35:1,2.5:90:-20:1.5"})
-          .settings.look;
-  EXPECT_EQ(look.camera.view, (picture::ViewAngles{-60 * kDegree, 35 * kDegree}));
-  EXPECT_EQ(look.camera.orthographic, true);
-  EXPECT_EQ(look.camera.zoom, 2);
-  EXPECT_EQ(look.camera.margin, 0.1);
-  EXPECT_EQ(recordOrder({"record", "fan", "--distance", "7"}).settings.look.camera.distance, 7);
-  EXPECT_EQ(look.fit, picture::FitScope::Ends);
-  EXPECT_EQ(look.camera.orbit, M_PI);
+          .settings.appearance;
+  EXPECT_EQ(appearance.camera.view, (picture::ViewAngles{-60 * kDegree, 35 * kDegree}));
+  EXPECT_EQ(appearance.camera.orthographic, true);
+  EXPECT_EQ(appearance.camera.zoom, 2);
+  EXPECT_EQ(appearance.camera.margin, 0.1);
+  EXPECT_EQ(recordOrder({"record", "fan", "--distance", "7"}).settings.appearance.camera.distance,
+            7);
+  EXPECT_EQ(appearance.fit, picture::FitScope::Ends);
+  EXPECT_EQ(appearance.camera.orbit, M_PI);
   const picture::CameraKey last{2.5, picture::viewFromYawPitch(90 * M_PI / 180, -20 * M_PI / 180),
                                 1.5};
-  ASSERT_EQ(look.camera.keys.size(), 2U);
-  EXPECT_EQ(look.camera.keys[1], last);
+  ASSERT_EQ(appearance.camera.keys.size(), 2U);
+  EXPECT_EQ(appearance.camera.keys[1], last);
 }
 
 TEST(CommandLine, TakesPyKirigamisCommand) {
@@ -337,6 +341,24 @@ TEST(CommandLine, MessagesGiveAllFormsOfAValue) {
   EXPECT_EQ(messageOf({"record", "fan", "--thickness", "3mm"}),
             "error: --thickness: '3mm' is not allowed; give a number from 1e-15 to 1e+09, without "
             "a unit");
+}
+
+TEST(CommandLine, UnknownOptionsNameACommandThatHasThem) {
+  EXPECT_EQ(
+      messageOf({"simulate", "fan", "--no-meshes"}),
+      "error: unknown option --no-meshes; kirireel record has it; see kirireel simulate --help");
+}
+
+TEST(CommandLine, PicturesOfInspectArePng) {
+  EXPECT_EQ(messageOf({"inspect", "fan", "--picture", "a.jpg"}),
+            "error: --picture: 'a.jpg' is not allowed; give a name that ends with .png");
+}
+
+TEST(CommandLine, SwitchesAreTrueOrFalse) {
+  EXPECT_EQ(messageOf({"record", "fan", "--ground=maybe"}),
+            "error: --ground: 'maybe' is not allowed; give no value, true or false");
+  const cli::Order order = cli::parseCommandLine({"record", "fan", "--ground=false"});
+  EXPECT_FALSE(std::get<cli::RecordOrder>(order).scene.environment.ground.has_value());
 }
 
 TEST(CommandLine, HelpNamesTheTableOfAGroup) {

@@ -73,9 +73,9 @@ TEST_F(FigureFileTest, HasRowsOfPanels) {
   EXPECT_THAT(pictures.runs,
               ElementsAre(folder_ / "cap/trajectory.h5", folder_ / "fan/trajectory.h5"));
   EXPECT_EQ(pictures.pictures.grid, (picture::GridShape{1, 4}));
-  EXPECT_EQ(pictures.pictures.look.colouring, picture::Colouring::TargetError);
-  EXPECT_NEAR(pictures.pictures.look.camera.view->azimuth, 30 * kDegree, 1e-15);
-  EXPECT_EQ(pictures.pictures.look.tileColours.size(), 2u);
+  EXPECT_EQ(pictures.pictures.appearance.colouring, picture::Colouring::TargetError);
+  EXPECT_NEAR(pictures.pictures.appearance.camera.view->azimuth, 30 * kDegree, 1e-15);
+  EXPECT_EQ(pictures.pictures.appearance.tileColours.size(), 2u);
   EXPECT_TRUE(pictures.pictures.sameScale);
   EXPECT_EQ(pictures.title, "Caps");
   EXPECT_EQ(pictures.share, 2);
@@ -120,7 +120,7 @@ TEST_F(FigureFileTest, ListsTheAllowedKeys) {
   EXPECT_THAT(pictures, StartsWith("@/page.toml:4:1: error: unknown key of a panel of pictures "
                                    "colur, did you mean colour?; there are run, title, share, "
                                    "height, size, grid, captions, scale_bar, snapshots, "));
-  for (const char* group : {"Look", "Camera"}) {
+  for (const char* group : {"Style", "Camera"}) {
     for (const cli::OptionDescription& option :
          cli::commandNamed(cli::describeProgram(), "render").options) {
       if (option.group != group || option.key == "transparent") continue;

@@ -103,7 +103,7 @@ std::multimap<std::string, Case> cases() {
               {record + Words{"--projection", "parallel", "--distance", "5"},
                {"--projection", "perspective"}}});
   const Words nothing = record + Words{"--no-snapshots", "--no-video"};
-  all.insert({"Look", {nothing + Words{"--theme", "dark"}, {"--frames"}}});
+  all.insert({"Style", {nothing + Words{"--theme", "dark"}, {"--frames"}}});
   all.insert({"Camera", {nothing + Words{"--zoom", "2"}, {"--frames"}}});
   const Words stl = {"export", "run", "--format", "stl"};
   const Words inp = {"export", "run", "--format", "inp"};

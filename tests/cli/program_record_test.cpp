@@ -193,6 +193,13 @@ TEST(Record, GoesToOutNameByDefault) {
               ElementsAre("final_vertices.txt", "summary.json", "trajectory.h5"));
 }
 
+TEST(Simulate, SaysThatASpellingSelectsOtherConstants) {
+  const TemporaryFolder scratch;
+  const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
+                                      "--no_collision", "--out", (scratch / "out").string()});
+  EXPECT_THAT(end.out, HasSubstr("contacts on; PyKirigami's constants, by --no_collision\n"));
+}
+
 TEST(Record, JsonOnStandardOutputIsTheSummary) {
   const TemporaryFolder scratch;
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),

@@ -58,8 +58,8 @@ GoldenScene turnedScene(const std::string& name, double share) {
   return brickScene(name, sample, start);
 }
 
-/// A sheet of 8 x 6 squares whose bricks lie on a surface given by where each stands and how it is
-/// turned.
+/// A sheet of 8 x 6 squares whose bricks lie on a surface given by the position and rotation of
+/// each turned.
 template <typename Surface>
 GoldenScene bentScene(const std::string& name, const Surface& surface) {
   std::vector<model::Tile> tiles;
@@ -80,28 +80,28 @@ Pose onCap(double x, double y) {
   return {turn * Vector3(0, 0, 5), turn};
 }
 
-picture::Look coloured(picture::Colouring colouring,
-                       picture::ColourMap map = picture::ColourMap::Viridis) {
-  picture::Look look;
-  look.colouring = colouring;
-  look.map = map;
-  return look;
+picture::Appearance coloured(picture::Colouring colouring,
+                             picture::ColourMap map = picture::ColourMap::Viridis) {
+  picture::Appearance appearance;
+  appearance.colouring = colouring;
+  appearance.map = map;
+  return appearance;
 }
 
-picture::Look seen(const picture::ViewAngles& view,
-                   std::optional<bool> orthographic = std::nullopt) {
-  picture::Look look;
-  look.camera.view = view;
-  look.camera.orthographic = orthographic;
-  return look;
+picture::Appearance seen(const picture::ViewAngles& view,
+                         std::optional<bool> orthographic = std::nullopt) {
+  picture::Appearance appearance;
+  appearance.camera.view = view;
+  appearance.camera.orthographic = orthographic;
+  return appearance;
 }
 
-/// A look with one field changed.
+/// An appearance with one field changed.
 template <typename Value>
-picture::Look with(Value picture::Look::*field, Value value) {
-  picture::Look look;
-  look.*field = value;
-  return look;
+picture::Appearance with(Value picture::Appearance::*field, Value value) {
+  picture::Appearance appearance;
+  appearance.*field = value;
+  return appearance;
 }
 
 }  // namespace
@@ -123,22 +123,22 @@ std::vector<GoldenScene> goldenScenes() {
 }
 
 std::vector<GoldenLook> goldenLooks() {
-  picture::Look moving;
+  picture::Appearance moving;
   moving.camera.orbit = 2;
   moving.camera.zoom = 1.3;
   return {
       {"plain", {}, {}},
-      {"dark", with(&picture::Look::theme, picture::Theme::Dark), {}},
-      {"transparent", with(&picture::Look::transparent, true), {}},
-      {"plate", with(&picture::Look::ground, picture::GroundLook::Plate), {}},
-      {"shadow", with(&picture::Look::ground, picture::GroundLook::Shadow), {}},
-      {"without outlines", with(&picture::Look::outlines, false), {}},
+      {"dark", with(&picture::Appearance::theme, picture::Theme::Dark), {}},
+      {"transparent", with(&picture::Appearance::transparent, true), {}},
+      {"plate", with(&picture::Appearance::ground, picture::GroundLook::Plate), {}},
+      {"shadow", with(&picture::Appearance::ground, picture::GroundLook::Shadow), {}},
+      {"without outlines", with(&picture::Appearance::outlines, false), {}},
       {"brick colour",
-       with(&picture::Look::brickColour, std::optional(picture::Colour{190, 120, 150})),
+       with(&picture::Appearance::brickColour, std::optional(picture::Colour{190, 120, 150})),
        {}},
       {"pinned", {}, {0, 5}},
-      {"joints", with(&picture::Look::jointMarks, true), {}},
-      {"target lines", with(&picture::Look::targetLines, true), {}},
+      {"joints", with(&picture::Appearance::jointMarks, true), {}},
+      {"target lines", with(&picture::Appearance::targetLines, true), {}},
       {"shape", coloured(picture::Colouring::Shape), {}},
       {"state", coloured(picture::Colouring::State), {}},
       {"error", coloured(picture::Colouring::TargetError), {}},

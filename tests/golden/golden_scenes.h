@@ -1,4 +1,4 @@
-/// Scenes and looks of the golden pictures.
+/// Scenes and appearances of the golden pictures.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ std::vector<GoldenScene> goldenScenes();
 /// One way to show a scene.
 struct GoldenLook {
   std::string name;
-  picture::Look look;
+  picture::Appearance appearance;
   std::vector<int> pinned;
 };
 

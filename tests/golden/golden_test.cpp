@@ -1,6 +1,6 @@
-/// Compares pictures with those in the repository. To make them anew after a wanted change:
+/// Compares pictures with those in the repository. To make them again after an intended change:
 ///   KIRIREEL_GOLDEN=update build/dev/tests/golden/golden_test
-/// and judge the changed files by eye before they are committed.
+/// and check the changed files by eye before they are committed.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -60,8 +60,8 @@ bool alike(const picture::Frame& a, const picture::Frame& b, const Part& part) {
   return mean < kMeanTolerance && share < kShareTolerance;
 }
 
-/// Compares with the picture in the repository, or takes its place when told to update. A picture
-/// that differs is left beside the test's other files.
+/// Compares with the picture in the repository, or replaces it on request. A picture
+/// that differs stays next to the test's other files.
 void expectGolden(const picture::Frame& frame, const std::string& file,
                   const std::vector<Part>& parts) {
   const fs::path golden = inRepository(file);
@@ -81,9 +81,9 @@ void expectGolden(const picture::Frame& frame, const std::string& file,
   ADD_FAILURE() << "compare " << left << " with " << golden;
 }
 
-picture::GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& look) {
-  picture::StatePainter painter(kCell, look.look, scene.content, {.colours = true});
-  return {painter.paint({0.5, scene.poses, look.pinned, 0.5}), look.name};
+picture::GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& appearance) {
+  picture::StatePainter painter(kCell, appearance.appearance, scene.content, {.colours = true});
+  return {painter.paint({0.5, scene.poses, appearance.pinned, 0.5}), appearance.name};
 }
 
 class GoldenSheet : public testing::TestWithParam<int> {};
@@ -93,12 +93,12 @@ TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
   const picture::GridLayout layout = picture::layOutGrid(kCell, kSheet);
   std::vector<picture::GridPicture> pictures;
   std::vector<Part> parts;
-  for (const test::GoldenLook& look : test::goldenLooks()) {
+  for (const test::GoldenLook& appearance : test::goldenLooks()) {
     const int cell = static_cast<int>(pictures.size());
     const int left = layout.left(cell % kSheet.columns),
               upper = layout.upper(cell / kSheet.columns);
-    parts.push_back({look.name, left, upper, left + kCell.width, upper + kCell.height});
-    pictures.push_back(picture(scene, look));
+    parts.push_back({appearance.name, left, upper, left + kCell.width, upper + kCell.height});
+    pictures.push_back(picture(scene, appearance));
   }
   expectGolden(picture::composeGrid(pictures, kSheet), "tests/golden/" + scene.name + ".png",
                parts);
@@ -117,8 +117,8 @@ TEST(ReadmePictures, AreWhatTheProgramMakes) {
   settings.folder = folder.path();
   settings.size = {640, 480};
   settings.grid = {1, 4};
-  settings.look.camera.view = picture::kObliqueView;
-  settings.look.ground = picture::GroundLook::Shadow;
+  settings.appearance.camera.view = picture::kObliqueView;
+  settings.appearance.ground = picture::GroundLook::Shadow;
   settings.video = settings.meshes = false;
   scene.brick.thickness = 0.12;
   scene.path.kind = scene::PathKind::Auto;

@@ -35,6 +35,8 @@ class Messages(unittest.TestCase):
     def test_are_also_what_python_calls_them(self):
         with self.assertRaisesRegex(ValueError, "nowhere: error: there is no such folder"):
             kirireel.read("nowhere")
+        with self.assertRaisesRegex(kirireel.InputError, "the model's name is empty"):
+            kirireel.read("")
         with self.assertRaisesRegex(OSError, "error"):
             kirireel.deploy(self.model, duration=0.1, no_video=True).save("/proc/kirireel")
         self.assertTrue(issubclass(kirireel.RunError, kirireel.Error))

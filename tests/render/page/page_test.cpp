@@ -80,10 +80,10 @@ TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
 
 TEST_F(WebPage, TakesColoursAndOpacitiesOfSingleTiles) {
   const Json plain = dataOf(text());
-  settings_.look.tileColours = {{{0, 3}, {0, 128, 128}, "hinge row"}};
-  settings_.look.tileOpacities = {{{1}, 0.3}};
+  settings_.appearance.tileColours = {{{0, 3}, {0, 128, 128}, "hinge row"}};
+  settings_.appearance.tileOpacities = {{{1}, 0.3}};
   EXPECT_EQ(dataOf(text())["light"], plain["light"]);
-  settings_.look.tileOpacities = {{{4}, 0.3}};
+  settings_.appearance.tileOpacities = {{{4}, 0.3}};
   EXPECT_THAT([&] { text(); },
               testing::ThrowsMessage<InputError>("error: --tile-opacity: there is no tile 4; the "
                                                  "model's are numbered 0 to 3"));

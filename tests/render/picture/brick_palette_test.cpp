@@ -14,7 +14,7 @@
 namespace kirireel {
 namespace {
 
-/// The page of pictures without a look.
+/// The page of pictures without an appearance.
 using test::kWhite;
 
 std::vector<brick::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
@@ -44,10 +44,10 @@ Poses lifted(const picture::PictureContent& content, double height) {
   return poses;
 }
 
-picture::Look coloured(picture::Colouring colouring) {
-  picture::Look look;
-  look.colouring = colouring;
-  return look;
+picture::Appearance coloured(picture::Colouring colouring) {
+  picture::Appearance appearance;
+  appearance.colouring = colouring;
+  return appearance;
 }
 
 TEST(ShapeKinds, CountsCongruentTilesAsOne) {
@@ -181,9 +181,9 @@ TEST(BrickPalette, SpansTheScaleFromStartToTarget) {
 
 TEST(BrickPalette, ShowsRotationsInDegrees) {
   const picture::PictureContent content = tessellationContent();
-  picture::Look look = coloured(picture::Colouring::Rotation);
-  look.colourMost = 90;
-  const picture::BrickPalette palette(look, content);
+  picture::Appearance appearance = coloured(picture::Colouring::Rotation);
+  appearance.colourMost = 90;
+  const picture::BrickPalette palette(appearance, content);
   EXPECT_NEAR(palette.scale()->most, 90, 1e-12);
   const picture::Colour expected = picture::mapColour(picture::ColourMap::Viridis, 0.5, kWhite);
   Poses poses = content.start;
@@ -248,47 +248,48 @@ TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
 }
 
 /// The message of a refused style.
-std::string refusalOf(const picture::Look& look, const picture::PictureContent& content) {
-  return test::refusalOf([&] { const picture::BrickPalette palette(look, content); });
+std::string refusalOf(const picture::Appearance& appearance,
+                      const picture::PictureContent& content) {
+  return test::refusalOf([&] { const picture::BrickPalette palette(appearance, content); });
 }
 
 TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
   const picture::PictureContent content = tessellationContent();
-  picture::Look look;
-  look.brickColour = picture::Colour{10, 20, 30};
-  look.tileColours = {{{1, 3}, {200, 0, 0}}, {{3}, {0, 200, 0}}};
+  picture::Appearance appearance;
+  appearance.brickColour = picture::Colour{10, 20, 30};
+  appearance.tileColours = {{{1, 3}, {200, 0, 0}}, {{3}, {0, 200, 0}}};
   const std::vector<picture::BrickColours> colours =
-      picture::BrickPalette(look, content).colours(content.start);
+      picture::BrickPalette(appearance, content).colours(content.start);
   ASSERT_EQ(colours.size(), content.bricks.size());
-  EXPECT_EQ(colours[0], picture::plainColours(look));
+  EXPECT_EQ(colours[0], picture::plainColours(appearance));
   EXPECT_EQ(colours[1].top, (picture::Colour{200, 0, 0}));
   EXPECT_EQ(colours[3].bottom, (picture::Colour{0, 200, 0}));
-  look.colouring = picture::Colouring::State;
-  EXPECT_EQ(picture::BrickPalette(look, content).colours(content.start)[1].top,
+  appearance.colouring = picture::Colouring::State;
+  EXPECT_EQ(picture::BrickPalette(appearance, content).colours(content.start)[1].top,
             (picture::Colour{200, 0, 0}));
-  look.tileColours = {{{static_cast<int>(content.bricks.size())}, {}}};
-  EXPECT_EQ(refusalOf(look, content),
+  appearance.tileColours = {{{static_cast<int>(content.bricks.size())}, {}}};
+  EXPECT_EQ(refusalOf(appearance, content),
             fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
                         "{}",
                         content.bricks.size(), content.bricks.size() - 1));
-  look.colouring = picture::Colouring::Rotation;
+  appearance.colouring = picture::Colouring::Rotation;
   EXPECT_EQ(
-      refusalOf(look, content),
+      refusalOf(appearance, content),
       "error: --tile-colour works only with --colour plain, shape or state: other colours show "
       "values. Give one of these, or remove --tile-colour");
 }
 
 TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
   const picture::PictureContent content = tessellationContent();
-  picture::Look look;
-  look.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
-  const picture::BrickPalette palette(look, content);
+  picture::Appearance appearance;
+  appearance.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
+  const picture::BrickPalette palette(appearance, content);
   ASSERT_EQ(palette.legend().size(), 1);
   EXPECT_EQ(palette.legend()[0].colour, (picture::Colour{200, 0, 0}));
   EXPECT_EQ(palette.legend()[0].text, "hinge row");
-  look.opacity = 0.4;
-  look.tileOpacities = {{{1, 3}, 0.2}};
-  EXPECT_EQ(picture::BrickPalette(look, content).legend()[0].colour,
+  appearance.opacity = 0.4;
+  appearance.tileOpacities = {{{1, 3}, 0.2}};
+  EXPECT_EQ(picture::BrickPalette(appearance, content).legend()[0].colour,
             (picture::Colour{200, 0, 0, 51}));
 }
 
@@ -296,27 +297,27 @@ TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
   const picture::PictureContent content = tessellationContent();
   for (const picture::Colouring colouring :
        {picture::Colouring::Plain, picture::Colouring::State, picture::Colouring::Rotation}) {
-    picture::Look look;
-    look.colouring = colouring;
+    picture::Appearance appearance;
+    appearance.colouring = colouring;
     const std::vector<picture::BrickColours> opaque =
-        picture::BrickPalette(look, content).colours(content.start);
-    look.opacity = 0.4;
-    look.tileOpacities = {{{1, 3}, 0.2}, {{3}, 0}};
+        picture::BrickPalette(appearance, content).colours(content.start);
+    appearance.opacity = 0.4;
+    appearance.tileOpacities = {{{1, 3}, 0.2}, {{3}, 0}};
     const std::vector<picture::BrickColours> colours =
-        picture::BrickPalette(look, content).colours(content.start);
+        picture::BrickPalette(appearance, content).colours(content.start);
     ASSERT_EQ(colours.size(), content.bricks.size());
     for (const auto& [brick, alpha] : {std::pair(0, 102), {1, 51}, {3, 0}}) {
       EXPECT_EQ(colours[brick].top.alpha, alpha);
       EXPECT_EQ(colours[brick].side.alpha, alpha);
       EXPECT_EQ(colours[brick].bottom.alpha, alpha);
       const picture::BrickColours whole =
-          opaque.empty() ? picture::plainColours(look) : opaque[brick];
+          opaque.empty() ? picture::plainColours(appearance) : opaque[brick];
       EXPECT_EQ(picture::withOpacity(colours[brick], 1), whole);
     }
     EXPECT_EQ(picture::isDrawn(colours[1]), true);
     EXPECT_EQ(picture::isDrawn(colours[3]), false);
-    look.tileOpacities = {{{static_cast<int>(content.bricks.size())}, 0.5}};
-    EXPECT_EQ(refusalOf(look, content),
+    appearance.tileOpacities = {{{static_cast<int>(content.bricks.size())}, 0.5}};
+    EXPECT_EQ(refusalOf(appearance, content),
               fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
                           "to {}",
                           content.bricks.size(), content.bricks.size() - 1));
@@ -325,14 +326,14 @@ TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
 
 TEST(BrickPalette, ScalesBeginWhereAsked) {
   const picture::PictureContent content = tessellationContent();
-  picture::Look look = coloured(picture::Colouring::Rotation);
-  look.map = picture::ColourMap::CoolWarm;
-  look.colourLeast = -30;
-  look.colourMost = 30;
-  EXPECT_EQ(picture::BrickPalette(look, content).colours(content.start)[0].top,
-            picture::mapColour(look.map, 0.5, kWhite));
-  look.colourLeast = 30;
-  EXPECT_EQ(refusalOf(look, content),
+  picture::Appearance appearance = coloured(picture::Colouring::Rotation);
+  appearance.map = picture::ColourMap::CoolWarm;
+  appearance.colourLeast = -30;
+  appearance.colourMost = 30;
+  EXPECT_EQ(picture::BrickPalette(appearance, content).colours(content.start)[0].top,
+            picture::mapColour(appearance.map, 0.5, kWhite));
+  appearance.colourLeast = 30;
+  EXPECT_EQ(refusalOf(appearance, content),
             "error: --colour-least 30 is not below 30, the scale's other end; give a smaller one, "
             "or a larger --colour-most");
 }

@@ -26,20 +26,20 @@ TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
       picture::PictureSetup({}, tessellationContent(), {300, 300}).style().plate.has_value());
   EXPECT_EQ(
       picture::PictureSetup({}, tessellationContent(ground), {300, 300}).style().plate->height, -1);
-  picture::Look look;
-  look.ground = picture::GroundLook::None;
-  EXPECT_FALSE(picture::PictureSetup(look, tessellationContent(ground), {300, 300})
+  picture::Appearance appearance;
+  appearance.ground = picture::GroundLook::None;
+  EXPECT_FALSE(picture::PictureSetup(appearance, tessellationContent(ground), {300, 300})
                    .style()
                    .plate.has_value());
-  look.ground = picture::GroundLook::Shadow;
-  const picture::PictureSetup setup(look, tessellationContent(), {300, 300});
+  appearance.ground = picture::GroundLook::Shadow;
+  const picture::PictureSetup setup(appearance, tessellationContent(), {300, 300});
   EXPECT_FALSE(setup.style().plate->visible);
   EXPECT_EQ(setup.style().plate->height, 0);  // the tiles' own height
 }
 
 TEST(PictureSetup, GivesLinesTheirWidthsInPrint) {
-  const auto styleOf = [](const picture::Look& look, picture::FrameSize size) {
-    return picture::PictureSetup(look, tessellationContent(), size).style();
+  const auto styleOf = [](const picture::Appearance& appearance, picture::FrameSize size) {
+    return picture::PictureSetup(appearance, tessellationContent(), size).style();
   };
   // 160 mm are 453.5 points.
   const picture::Style plain = styleOf({}, {1280, 720});
@@ -47,35 +47,38 @@ TEST(PictureSetup, GivesLinesTheirWidthsInPrint) {
   EXPECT_NEAR(plain.silhouetteWidth * 720, 0.75 * 1280 / 453.543, 1e-4);  // 2.117 pixels
   EXPECT_NEAR(plain.slitWidth, picture::Style().slitWidth, 1e-5);
   EXPECT_NEAR(plain.silhouetteWidth, picture::Style().silhouetteWidth, 1e-5);
-  picture::Look look;
-  look.pixelsPerInch = 600;
-  look.outlineWidths = {0.25, 1};
-  const picture::Style printed = styleOf(look, {900, 500});
+  picture::Appearance appearance;
+  appearance.pixelsPerInch = 600;
+  appearance.outlineWidths = {0.25, 1};
+  const picture::Style printed = styleOf(appearance, {900, 500});
   EXPECT_NEAR(printed.slitWidth * 500, 0.25 * 600 / 72, 1e-9);
   EXPECT_NEAR(printed.silhouetteWidth * 500, 600.0 / 72, 1e-9);
-  look.outlines = false;
-  EXPECT_EQ(styleOf(look, {900, 500}).slitWidth, 0);
+  appearance.outlines = false;
+  EXPECT_EQ(styleOf(appearance, {900, 500}).slitWidth, 0);
 }
 
 TEST(PictureSetup, SharesOneScaleOnlyInAStillParallelView) {
-  picture::Look look;
-  look.camera.view = picture::kTopView;
-  EXPECT_GT(picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().value(),
-            4);
-  look.camera.orthographic = false;
-  EXPECT_FALSE(
-      picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
-  look.camera.orthographic = true;
-  look.camera.orbit = 1;
-  EXPECT_FALSE(
-      picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
+  picture::Appearance appearance;
+  appearance.camera.view = picture::kTopView;
+  EXPECT_GT(
+      picture::PictureSetup(appearance, tessellationContent(), {300, 300}).sharedHeight().value(),
+      4);
+  appearance.camera.orthographic = false;
+  EXPECT_FALSE(picture::PictureSetup(appearance, tessellationContent(), {300, 300})
+                   .sharedHeight()
+                   .has_value());
+  appearance.camera.orthographic = true;
+  appearance.camera.orbit = 1;
+  EXPECT_FALSE(picture::PictureSetup(appearance, tessellationContent(), {300, 300})
+                   .sharedHeight()
+                   .has_value());
 }
 
 TEST(PictureSetup, MarksJointsAndDrawsTheTargetOnRequest) {
-  picture::Look look;
-  look.jointMarks = true;
-  look.targetLines = true;
-  const picture::PictureSetup setup(look, tessellationContent(), {300, 300});
+  picture::Appearance appearance;
+  appearance.jointMarks = true;
+  appearance.targetLines = true;
+  const picture::PictureSetup setup(appearance, tessellationContent(), {300, 300});
   const picture::PictureItems items = setup.items({0, setup.content().start, {}});
   EXPECT_EQ(items.marks.size(), 48U);  // 24 joints on both faces
   EXPECT_EQ(items.overlay.size(), 16U);
@@ -98,14 +101,14 @@ TEST(PictureSetup, DrawsObstaclesInGreyFromBothSides) {
 }
 
 TEST(PictureSetup, RefusesACameraWithinABrick) {
-  picture::Look look;
-  look.camera.orthographic = false;
-  look.camera.view = picture::kTopView;
-  look.camera.distance = 1e-3;
+  picture::Appearance appearance;
+  appearance.camera.orthographic = false;
+  appearance.camera.view = picture::kTopView;
+  appearance.camera.distance = 1e-3;
   brick::BrickRule rule;
   rule.thickness = 1;
   const picture::PictureSetup setup(
-      look,
+      appearance,
       picture::makeContent({"", {generate::makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
       {300, 300});
   EXPECT_EQ(test::refusalOf([&] {
@@ -116,13 +119,13 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
 }
 
 TEST(PictureSetup, HasScalesInTheUnitOfTheModel) {
-  picture::Look look;
-  look.colouring = picture::Colouring::TargetError;
+  picture::Appearance appearance;
+  appearance.colouring = picture::Colouring::TargetError;
   picture::PictureContent content = tessellationContent();
   const picture::ColourScale metres =
-      *picture::PictureSetup(look, content, {300, 300}).colourScale();
+      *picture::PictureSetup(appearance, content, {300, 300}).colourScale();
   content.unit = *findLengthUnit("mm");
-  const picture::PictureSetup setup(look, content, {300, 300});
+  const picture::PictureSetup setup(appearance, content, {300, 300});
   EXPECT_EQ(setup.colourScale()->title, "target error, mm");
   EXPECT_NEAR(setup.colourScale()->most, 1000 * metres.most, 1e-12 * metres.most);
 }
@@ -144,15 +147,15 @@ TEST(PictureSetup, LegendShowsTilesAsPaintedFaceOn) {
         }
         content.target.reset();
         content.points = picture::shownCorners(content, content.start);
-        picture::Look look;
-        look.theme = theme;
-        look.opacity = opacity;
-        look.colouring = picture::Colouring::Shape;
-        look.camera.view = view;
-        look.outlines = false;
+        picture::Appearance appearance;
+        appearance.theme = theme;
+        appearance.opacity = opacity;
+        appearance.colouring = picture::Colouring::Shape;
+        appearance.camera.view = view;
+        appearance.outlines = false;
         const picture::FrameSize size{100, 100};
-        picture::StatePainter painter(size, look, content, {});
-        const picture::PictureSetup setup(look, content, size);
+        picture::StatePainter painter(size, appearance, content, {});
+        const picture::PictureSetup setup(appearance, content, size);
         const picture::Frame frame = painter.paint({0, content.start, {}}, {});
         const picture::Colour expected = setup.legend().at(0).colour;
         int found = 0;
@@ -169,11 +172,11 @@ TEST(PictureSetup, LegendShowsTilesAsPaintedFaceOn) {
 }
 
 TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
-  picture::Look look;
-  look.trails = {{2, 1}};
+  picture::Appearance appearance;
+  appearance.trails = {{2, 1}};
   picture::PictureContent content = tessellationContent();
   content.paths = {{{0, 1, 2}, {{9, 0, 0}, {9, 1, 0}, {9, 2, 0}}}};
-  const picture::PictureSetup setup(look, content, {300, 300});
+  const picture::PictureSetup setup(appearance, content, {300, 300});
   const picture::PictureItems items = setup.items({1.5, content.start, {}});
   // The samples before, then where the vertex is: the middle of the brick's edge there.
   const Vector3 here =
@@ -186,41 +189,44 @@ TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
 }
 
 TEST(PictureSetup, RefusesTrailsOfVerticesThatAreNotThere) {
-  picture::Look look;
-  look.trails = {{16, 0}};
+  picture::Appearance appearance;
+  appearance.trails = {{16, 0}};
   EXPECT_EQ(test::refusalOf([&] {
-              picture::PictureSetup(look, tessellationContent(), {300, 300});
+              picture::PictureSetup(appearance, tessellationContent(), {300, 300});
             }),
             "error: --trail: there is no tile 16; the model's are numbered 0 to 15");
-  look.trails = {{0, 4}};
+  appearance.trails = {{0, 4}};
   EXPECT_EQ(test::refusalOf([&] {
-              picture::PictureSetup(look, tessellationContent(), {300, 300});
+              picture::PictureSetup(appearance, tessellationContent(), {300, 300});
             }),
             "error: --trail: tile 0 has no vertex 4; its vertices are numbered 0 to 3");
 }
 
 TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
-  picture::Look look;
-  look.targetLines = true;
+  picture::Appearance appearance;
+  appearance.targetLines = true;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
   EXPECT_EQ(test::refusalOf([&] {
-              picture::PictureSetup(look, content, {300, 300});
+              picture::PictureSetup(appearance, content, {300, 300});
             }),
             "error: the model has no target to draw; remove --target-lines or add target.txt");
 }
 
 TEST(PictureSetup, RefusesAGhostOfATargetThatIsNotThere) {
-  picture::Look look;
-  look.ghost = picture::Ghost::Target;
+  picture::Appearance appearance;
+  appearance.ghost = picture::Ghost::Target;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
   EXPECT_EQ(test::refusalOf([&] {
-              picture::PictureSetup(look, content, {300, 300});
+              picture::PictureSetup(appearance, content, {300, 300});
             }),
             "error: the model has no target to draw; remove --ghost target or add target.txt");
-  look.ghost = picture::Ghost::Start;
-  EXPECT_EQ(test::refusalOf([&] { picture::PictureSetup(look, content, {300, 300}); }), "accepted");
+  appearance.ghost = picture::Ghost::Start;
+  EXPECT_EQ(test::refusalOf([&] {
+              picture::PictureSetup(appearance, content, {300, 300});
+            }),
+            "accepted");
 }
 
 /// Pixel coordinates of points, from the camera's matrix.
@@ -253,9 +259,9 @@ bool isWithin(const Eigen::Vector2d& point, const std::vector<Eigen::Vector2d>& 
 
 TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
   for (const bool isParallel : {true, false}) {
-    picture::Look look;
-    look.camera.view = picture::kIsometricView;
-    look.camera.orthographic = isParallel;
+    picture::Appearance appearance;
+    appearance.camera.view = picture::kIsometricView;
+    appearance.camera.orthographic = isParallel;
     const picture::FrameSize size{160, 120};
     picture::PictureContent content = tessellationContent();
     // The target is the start, displaced.
@@ -264,10 +270,10 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
       for (Vector3& vertex : tile.vertices) vertex += Vector3(2.5, 0.5, 0.25);
       content.points.insert(content.points.end(), tile.vertices.begin(), tile.vertices.end());
     }
-    picture::StatePainter painter(size, look, content);
+    picture::StatePainter painter(size, appearance, content);
     const picture::Frame without = painter.paint({0, content.start, {}});
-    look.ghost = picture::Ghost::Target;
-    painter.show(look, content);
+    appearance.ghost = picture::Ghost::Target;
+    painter.show(appearance, content);
     const picture::Frame with = painter.paint({0, content.start, {}});
 
     const picture::Camera camera = painter.setup().camera({0, content.start, {}});
@@ -300,11 +306,11 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
 }
 
 TEST(PictureSetup, DepthCueMixesFacesByTheirDistance) {
-  picture::Look look;
-  look.camera.view = picture::kFrontView;  // the eye is on the side of -y
-  look.camera.orthographic = true;
-  look.background = picture::Colour{10, 200, 30};
-  look.occlusion = 0;
+  picture::Appearance appearance;
+  appearance.camera.view = picture::kFrontView;  // the eye is on the side of -y
+  appearance.camera.orthographic = true;
+  appearance.background = picture::Colour{10, 200, 30};
+  appearance.occlusion = 0;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
   // Facing the eye: each tile is rotated about x, so its bottom's normal is -y.
@@ -316,10 +322,10 @@ TEST(PictureSetup, DepthCueMixesFacesByTheirDistance) {
   content.start = poses;
   const picture::ShownState state{0, poses, {}};
   const picture::PictureGeometry plain =
-      picture::PictureSetup(look, content, {300, 300}).geometry(state);
-  look.depthCue = 0.4;
+      picture::PictureSetup(appearance, content, {300, 300}).geometry(state);
+  appearance.depthCue = 0.4;
   const picture::PictureGeometry cued =
-      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+      picture::PictureSetup(appearance, content, {300, 300}).geometry(state);
   double nearest = 1e300, farthest = -1e300;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (const auto* corners : {&content.bricks[i].bottom, &content.bricks[i].top}) {
@@ -344,16 +350,16 @@ TEST(PictureSetup, DepthCueMixesFacesByTheirDistance) {
 }
 
 TEST(PictureSetup, DepthCueKeepsAFlatSheetSeenFromAbove) {
-  picture::Look look;
-  look.camera.view = picture::kTopView;
+  picture::Appearance appearance;
+  appearance.camera.view = picture::kTopView;
   picture::PictureContent content = tessellationContent();
   content.target.reset();
   const picture::ShownState state{0, content.start, {}};
   const picture::PictureGeometry plain =
-      picture::PictureSetup(look, content, {300, 300}).geometry(state);
-  look.depthCue = 1;
+      picture::PictureSetup(appearance, content, {300, 300}).geometry(state);
+  appearance.depthCue = 1;
   const picture::PictureGeometry cued =
-      picture::PictureSetup(look, content, {300, 300}).geometry(state);
+      picture::PictureSetup(appearance, content, {300, 300}).geometry(state);
   ASSERT_EQ(cued.solid.size(), plain.solid.size());
   for (std::size_t k = 0; k < cued.solid.size(); ++k) {
     EXPECT_EQ(cued.solid[k].colour, plain.solid[k].colour);
@@ -369,16 +375,16 @@ TEST(StatePainter, RefusesAnEmptyPictureBeforeItDividesByIt) {
 }
 
 TEST(StatePainter, PutsABarOfColoursUnderPicturesThatNeedIt) {
-  picture::Look look;
-  look.colouring = picture::Colouring::TargetError;
-  picture::StatePainter painter({320, 180}, look, tessellationContent(), {.colours = true});
+  picture::Appearance appearance;
+  appearance.colouring = picture::Colouring::TargetError;
+  picture::StatePainter painter({320, 180}, appearance, tessellationContent(), {.colours = true});
   const picture::ShownState state{0, painter.setup().content().start, {}};
   const picture::Frame frame = painter.paint(state);
   EXPECT_EQ(frame.size, (picture::FrameSize{320, 180}));
   const int height = painter.setup().pictureSize().height;
   EXPECT_LT(height, 170);
   // Above the strip is the picture, in a smaller format.
-  picture::StatePainter small({320, height}, look, tessellationContent());
+  picture::StatePainter small({320, height}, appearance, tessellationContent());
   const picture::Frame picture = small.paint(state);
   EXPECT_TRUE(std::equal(picture.pixels.begin(), picture.pixels.end(), frame.pixels.begin()));
   picture::StatePainter plain({320, 180}, {}, tessellationContent());
@@ -388,14 +394,14 @@ TEST(StatePainter, PutsABarOfColoursUnderPicturesThatNeedIt) {
 
 // The shadow is larger than the bricks, and is still visible as a whole.
 TEST(StatePainter, HoldsTheShadowInSight) {
-  picture::Look look;
-  look.ground = picture::GroundLook::Shadow;
-  look.camera.view = picture::kIsometricView;
+  picture::Appearance appearance;
+  appearance.ground = picture::GroundLook::Shadow;
+  appearance.camera.view = picture::kIsometricView;
   picture::PictureContent tall = tessellationContent();
   for (Vector3& point : tall.points) point.z() += 3;
   for (Pose& pose : tall.start) pose.position.z() += 3;
   tall.points.emplace_back(0, 0, 0);
-  picture::StatePainter painter({320, 180}, look, tall);
+  picture::StatePainter painter({320, 180}, appearance, tall);
   const picture::Frame frame = painter.paint({0, tall.start, {}});
   for (int x = 0; x < frame.size.width; ++x) {
     ASSERT_EQ(frame.at(x, 0), picture::Style().background);
@@ -408,14 +414,15 @@ TEST(StatePainter, HoldsTheShadowInSight) {
 }
 
 TEST(StatePainter, RefusesAScaleBarInPerspective) {
-  picture::Look look;
-  look.camera.view = picture::kIsometricView;
-  EXPECT_THROW(picture::StatePainter({320, 180}, look, tessellationContent(), {.scaleBar = true}),
-               InputError);
+  picture::Appearance appearance;
+  appearance.camera.view = picture::kIsometricView;
+  EXPECT_THROW(
+      picture::StatePainter({320, 180}, appearance, tessellationContent(), {.scaleBar = true}),
+      InputError);
 }
 
 TEST(StatePainter, ShowsOtherContentAsANewPainterWould) {
-  picture::Look dark;
+  picture::Appearance dark;
   dark.theme = picture::Theme::Dark;
   dark.colouring = picture::Colouring::TargetError;
   picture::PictureContent wide = tessellationContent();
@@ -423,7 +430,7 @@ TEST(StatePainter, ShowsOtherContentAsANewPainterWould) {
   const auto paintIn = [](picture::StatePainter& painter) {
     return painter.paint({0, painter.setup().content().start, {}}).pixels;
   };
-  picture::Look light = dark;
+  picture::Appearance light = dark;
   light.theme = picture::Theme::Light;
   picture::StatePainter painter({320, 180}, light, tessellationContent(), {.colours = true});
   paintIn(painter);

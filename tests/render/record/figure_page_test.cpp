@@ -158,7 +158,7 @@ TEST_F(FigurePageTest, EqualPagesHaveEqualBytes) {
 
 TEST_F(FigurePageTest, PanelsHaveTheirOwnOutlines) {
   record::FigurePage figure = page({{pictures("small"), pictures("small")}});
-  figure.rows[0][1].pictures.look.outlineColour = picture::Colour{255, 0, 0};
+  figure.rows[0][1].pictures.appearance.outlineColour = picture::Colour{255, 0, 0};
   const std::string svg = svgOf(figure);
   EXPECT_THAT(svg, HasSubstr("#panel_1 .outline { fill: none; stroke: #263242"));
   EXPECT_THAT(svg, HasSubstr("#panel_2 .outline { fill: none; stroke: #ff0000"));

@@ -55,7 +55,7 @@ class FigureTest : public testing::Test {
   /// The frames of a video as a single run has them, for a part of a frame of this height.
   record::PictureSettings partIn(const std::string& folder, int stripHeight) const {
     record::PictureSettings figure = framesIn(folder);
-    figure.look.pixelsPerInch = picture::pixelsPerInchOf(figure.size);
+    figure.appearance.pixelsPerInch = picture::pixelsPerInchOf(figure.size);
     figure.size = {160, 200 - stripHeight};
     return figure;
   }
@@ -77,7 +77,8 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
     std::vector<double> scales;
     for (const record::PanelRow& row : rows) {
       EXPECT_EQ(row.states.size(), 3);
-      scales.push_back(picture::PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
+      scales.push_back(
+          picture::PictureSetup(row.appearance, row.content, {160, 120}).metresPerPixel());
     }
     if (sameScale) {
       EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);  // 1e-16: zoomed by the ratio of the two
@@ -108,7 +109,7 @@ TEST_F(FigureTest, LeavesPictureAndPages) {
 TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
   record::PictureSettings figure = settings();
   figure.sameScale = true;
-  figure.look.camera.orbit = 1;
+  figure.appearance.camera.orbit = 1;
   const trajectory::TrajectoryReader run(recorded("small", 2));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&run, &run};
   try {

@@ -155,11 +155,11 @@ int sheetIn(const picture::Frame& frame, const picture::PageBox& part) {
 TEST_F(InsetTest, IsInTheCornerThatTheSheetCoversLeast) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
   settings_.size = {400, 400};
-  settings_.look.camera.margin = 0;
+  settings_.appearance.camera.margin = 0;
   std::set<std::pair<bool, bool>> corners;
   for (const double roll : {35.0, -35.0, 145.0, 90.0, 10.0}) {
     SCOPED_TRACE(roll);
-    settings_.look.camera.view = {-90 * kDegree, 90 * kDegree, roll * kDegree};
+    settings_.appearance.camera.view = {-90 * kDegree, 90 * kDegree, roll * kDegree};
     settings_.inset = "width";
     const record::FramePainter painter(run, settings_);
     const record::Inset inset(run, settings_, painter.setup());
@@ -212,7 +212,7 @@ TEST_F(InsetTest, RefusesFramesThatAreTooSmall) {
   // With the highest strip.
   settings_.captions = picture::CaptionParts{.time = true};
   settings_.progressBar = settings_.scaleBar = true;
-  settings_.look.colouring = picture::Colouring::Rotation;
+  settings_.appearance.colouring = picture::Colouring::Rotation;
   const record::FramePainter painter(run, settings_);
   const picture::PageBox box = record::Inset(run, settings_, painter.setup()).box();
   EXPECT_LE(box.lower(), painter.setup().pictureSize().height);
@@ -226,7 +226,7 @@ TEST_F(InsetTest, IsReadableOnEveryBackground) {
   for (const picture::Colour background :
        {picture::Colour{255, 255, 255}, picture::Colour{22, 24, 28}, picture::Colour{120, 130, 60},
         picture::Colour{0, 0, 0}, picture::Colour{200, 60, 60}}) {
-    settings_.look.background = background;
+    settings_.appearance.background = background;
     const record::FramePainter painter(run, settings_);
     for (const auto& [colour, place] : record::Inset(run, settings_, painter.setup()).dots(0.5)) {
       EXPECT_GE(picture::contrastOf(colour, background), 4.5);  // measured: 4.5 to 6.4
@@ -238,7 +238,7 @@ TEST_F(InsetTest, IsReadableOnEveryBackground) {
 TEST_F(InsetTest, HidesWhatIsBelowIt) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
   for (const bool isTransparent : {false, true}) {
-    settings_.look.transparent = isTransparent;
+    settings_.appearance.transparent = isTransparent;
     const record::FramePainter painter(run, settings_);
     const record::Inset inset(run, settings_, painter.setup());
     picture::Frame empty = picture::makeFrame(kSize, {255, 255, 255, 0});

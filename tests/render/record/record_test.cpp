@@ -181,7 +181,7 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
 }
 
 TEST_F(RecordTest, RefusesAnImpossibleStyleBeforeDeploying) {
-  settings_.look.camera.keys = {{1, {}, 1}, {0, {}, 1}};
+  settings_.appearance.camera.keys = {{1, {}, 1}, {0, {}, 1}};
   int calls = 0;
   EXPECT_THROW(record::record(tessellationScene(), settings_,
                               [&calls](const record::Progress&) {
@@ -193,7 +193,7 @@ TEST_F(RecordTest, RefusesAnImpossibleStyleBeforeDeploying) {
 }
 
 TEST_F(RecordTest, WritesItsStyleToTheSummary) {
-  settings_.look.colouring = picture::Colouring::State;
+  settings_.appearance.colouring = picture::Colouring::State;
   settings_.video = settings_.meshes = false;
   const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_THAT(record::summaryJson(tessellationScene(), settings_, summary),
@@ -272,7 +272,7 @@ TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
   settings_.scaleBar = true;
   EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).outcome,
             run::Outcome::OutOfTime);
-  settings_.look.camera.view = picture::kIsometricView;
+  settings_.appearance.camera.view = picture::kIsometricView;
   EXPECT_EQ(messageOfRecording(),
             "error: a scale bar needs a parallel projection and a fixed camera; add --projection "
             "parallel, or remove --scale-bar");
@@ -404,7 +404,7 @@ scene::Scene fallingScene() {
 }
 
 TEST_F(RecordTest, ShowsWhatLeavesAPictureOfTheEndsToo) {
-  settings_.look.camera.view = picture::kFrontView;
+  settings_.appearance.camera.view = picture::kFrontView;
   settings_.frames = true;
   settings_.snapshots = false;
   const record::RunSummary summary = record::record(fallingScene(), settings_, proceed_);
@@ -413,7 +413,7 @@ TEST_F(RecordTest, ShowsWhatLeavesAPictureOfTheEndsToo) {
 }
 
 TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
-  settings_.look.camera.view = picture::kFrontView;
+  settings_.appearance.camera.view = picture::kFrontView;
   settings_.video = settings_.snapshots = false;
   settings_.chosenFrames = {{1, record::FrameChoice::Unit::Share}};
   record::record(fallingScene(), settings_, proceed_);
@@ -462,7 +462,7 @@ TEST_F(RecordTest, CameraShowsEveryFrameWhole) {
   settings_.frames = true;
   for (const picture::ViewAngles view :
        {picture::kTopView, picture::kFrontView, picture::kIsometricView}) {
-    settings_.look.camera.view = view;
+    settings_.appearance.camera.view = view;
     const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
     for (const std::string& file : summary.files) {
       if (!file.starts_with("frames/")) continue;

@@ -36,11 +36,14 @@ TEST(SweepFile, ReadsBaseGridAndWhatIsKept) {
 
 TEST(SweepFile, NamesOfFilesAreRelativeToIt) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "sweep.toml") << "model = \"fan\"\n[list]\ntarget = [\"a\", \"/b\"]\n";
+  std::filesystem::create_directory(folder / "fan");
+  std::ofstream(folder / "sweep.toml")
+      << "model = \"fan\"\n[list]\ntarget = [\"x/a\", \"/b\", \"cap\"]\n";
   const sweep::Sweep sweep = sweep::readSweepFile(folder / "sweep.toml");
   EXPECT_EQ(sweep.settings[0].value.text, (folder / "fan").string());
   EXPECT_EQ(sweep.plan.run(0)[0].text, "/b");
-  EXPECT_EQ(sweep.plan.run(1)[0].text, (folder / "a").string());
+  EXPECT_EQ(sweep.plan.run(1)[0].text, (folder / "x/a").string());
+  EXPECT_EQ(sweep.plan.run(2)[0].text, "cap");  // may be the name of a known model
 }
 
 TEST(SweepFile, RefusesWhatIsEmpty) {

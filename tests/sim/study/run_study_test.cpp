@@ -130,8 +130,8 @@ TEST(RunStudy, UnknownStudyGetsTheNearest) {
     study::studyNamed("scalling");
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("error: no study scalling, did you mean scaling?; there "
-                                        "are "));
+    EXPECT_THAT(error.what(),
+                HasSubstr("error: there is no study scalling, did you mean scaling?; choose "));
   }
 }
 
