@@ -95,11 +95,11 @@ std::ifstream openInputFile(const std::filesystem::path& path) {
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
                          std::uintmax_t mostBytes) {
   requireReadable(file, purpose, mostBytes);
-  std::ifstream stream(file, std::ios::binary);
   std::error_code gone;
   const std::uintmax_t size = std::filesystem::file_size(file, gone);
   std::string text(gone ? 0 : size, '\0');
   errno = gone.value();
+  std::ifstream stream(file, std::ios::binary);
   if (gone || !stream.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     throw inputErrorAt({file}, fmt::format("the file cannot be read ({}); check its permissions",
                                            std::strerror(errno)));

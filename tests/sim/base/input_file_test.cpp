@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -76,6 +77,22 @@ TEST(TextFile, ReportsWhyItIsNotRead) {
   std::filesystem::create_directory(file);
   EXPECT_THAT(reading, ThrowsMessage<InputError>(
                            StrEq(file + ": error: this is not a text file; give one")));
+}
+
+TEST(TextFile, ReportsAMissingPermission) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "a.txt";
+  std::ofstream(file) << "a";
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  std::filesystem::permissions(file, std::filesystem::perms::none);
+  // Root may read any file, nobody may not.
+  const uid_t user = geteuid();
+  ASSERT_TRUE(user != 0 || seteuid(65534) == 0);
+  EXPECT_THAT([&] { readTextFile(file, "give one"); },
+              ThrowsMessage<InputError>(StrEq(file.string() +
+                                              ": error: the file cannot be read (Permission "
+                                              "denied); check its permissions")));
+  ASSERT_EQ(seteuid(user), 0);
 }
 
 }  // namespace
