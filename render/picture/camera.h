@@ -121,7 +121,7 @@ struct CameraChoice {
   std::optional<bool> orthographic;  ///< absent: only along an axis
   double margin = 0.06;              ///< fraction of the picture left free on each side, [0, 0.45]
   double zoom = 1;                   ///< enlarges the middle of the picture, > 0
-  std::optional<double> distance;    ///< of the eye from the centre, in the model's unit in a
+  std::optional<double> distance;    ///< of the eye from the centre, in the model's unit in an
                                      ///< Appearance and metres in a CameraPath; absent: fitted
   double orbit = 0;                  ///< total rotation of the camera about +z, radians
   std::vector<CameraKey> keys;       ///< ascending in time; if not empty, they replace the view
