@@ -529,7 +529,6 @@ class CutPatternReader {
   /// Reads the lines as a sheet. Rounding closes, opens and bends slots that are about as narrow as
   /// the last digit of their coordinates: they are read as lines.
   CutSheet sheetOf(std::vector<const DrawnPath*> paths) const {
-    constexpr double kResolved = 3;  // width of slots that may be right as drawn, in digits
     std::map<std::string, int> leftOut;
     dropMarksOutside(paths, leftOut);
     std::deque<DrawnPath> thinned;
@@ -541,13 +540,8 @@ class CutPatternReader {
     for (const DrawnPath& path : thinned) lines.push_back(&path);
     // Ends that meet may differ by a digit in each direction.
     const double tolerance = std::max(tolerance_, 2 * drawing_.rounding);
-    auto asLines = ifSheet([&] { return readPaths(lines, leftOutOfLines, tolerance); });
-    if (!asLines || asLines->model.joints.empty()) return readPaths(paths, leftOut, tolerance_);
-    auto asDrawn = ifSheet([&] { return readPaths(paths, leftOut, tolerance_); });
-    const bool isResolved =
-        asDrawn && asDrawn->model.joints.size() >= asLines->model.joints.size() &&
-        asDrawn->model.joints.front().neck.kerf >= kResolved * drawing_.rounding;
-    return isResolved ? std::move(*asDrawn) : std::move(*asLines);
+    return readBest([&] { return readPaths(paths, leftOut, tolerance_); },
+                    [&] { return readPaths(lines, leftOutOfLines, tolerance); });
   }
 
   CutSheet readPaths(std::vector<const DrawnPath*> paths, const std::map<std::string, int>& leftOut,
@@ -573,7 +567,8 @@ class CutPatternReader {
     takeReliefs(paths, rings, slits);
     slits.lines = segmentsOf(paths);
     if (open.empty()) return readAs(std::move(slits));
-    return readMixed([&] { return readAs(std::move(slits)); }, asSlots);
+    // Closed outlines next to open lines are slots, reliefs, holes or marks.
+    return readBest([&] { return readAs(std::move(slits)); }, asSlots);
   }
 
   template <typename Read>
@@ -585,17 +580,17 @@ class CutPatternReader {
     }
   }
 
-  /// Closed outlines next to open lines are slots, reliefs, holes or marks. The reading with more
-  /// hinges is right: what is no slot separates no tiles.
-  template <typename ReadSlits, typename ReadSlots>
-  static CutSheet readMixed(ReadSlits readSlits, ReadSlots readSlots) {
+  /// The reading with more hinges is right: what is no cut separates no tiles. If both have as
+  /// many, the first one.
+  template <typename ReadFirst, typename ReadSecond>
+  static CutSheet readBest(ReadFirst readFirst, ReadSecond readSecond) {
     try {
-      CutSheet reading = readSlits();
-      auto other = ifSheet(readSlots);
+      CutSheet reading = readFirst();
+      auto other = ifSheet(readSecond);
       const bool isOther = other && other->model.joints.size() > reading.model.joints.size();
       return isOther ? std::move(*other) : std::move(reading);
     } catch (const InputError&) {
-      auto other = ifSheet(readSlots);
+      auto other = ifSheet(readSecond);
       if (!other || other->model.joints.empty()) throw;
       return std::move(*other);
     }

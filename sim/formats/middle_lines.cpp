@@ -59,7 +59,7 @@ DrawnPath middleOf(const DrawnPath& a, const DrawnPath& b) {
 }
 
 std::optional<DrawnPath> middleOfThin(const DrawnPath& ring, double most) {
-  constexpr double kSlender = 4;  // length / `most`, at least
+  constexpr double kSlender = 4;  // length / width, at least
   std::vector<Vector2> points = ring.points;
   const auto farthestFrom = [&](const Vector2& from) {
     return std::ranges::max_element(points, {},
@@ -68,14 +68,13 @@ std::optional<DrawnPath> middleOfThin(const DrawnPath& ring, double most) {
   std::ranges::rotate(points, farthestFrom(*farthestFrom(points.front())));
   const auto half = farthestFrom(points.front());
   const Vector2 first = points.front(), last = *half;
-  if (!(most > 0) || (last - first).norm() <= kSlender * most) return std::nullopt;
   DrawnPath middle = ring, side = ring;
   middle.isClosed = side.isClosed = false;
   middle.points.assign(points.begin(), half + 1);
   side.points.assign(half, points.end());
   side.points.push_back(first);
   const double apart = apartOf(middle, side);
-  if (apart > most) return std::nullopt;
+  if (apart > most || (last - first).norm() <= kSlender * apart) return std::nullopt;
   // Corners and round ends become one point.
   const auto isAt = [&](const Vector2& tip, const Vector2& point) {
     return (point - tip).norm() <= 1.5 * apart;

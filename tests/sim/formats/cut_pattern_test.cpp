@@ -230,6 +230,22 @@ TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
   }
 }
 
+// Slots a few digits wide on a grid of whole millimetres keep their width and place, long and short
+// ones alike.
+TEST(CutPatterns, SlotsOfWholeNumbersKeepTheirWidth) {
+  for (const int digits : {0, 1, 3}) {
+    for (const int neck : {5, 7}) {
+      const SlitGrid grid(4, [&] { return neck; });
+      std::string text = closedPath(grid.outline(), digits);
+      for (const Line& slit : grid.slits) text += closedPath(stadium(slit, 2, 1), digits);
+      SCOPED_TRACE(fmt::format("necks of {} mm, {} digits", neck, digits));
+      const Reading reading = read("a.svg", page(text));
+      expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-6);
+      EXPECT_THAT(reading.note, HasSubstr("slots 2 mm"));
+    }
+  }
+}
+
 /// The same grid with slots of 0.3 mm, of which those at the border are drawn in another way.
 TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
   const SlitGrid grid(4, [] { return 1.15; });
