@@ -189,7 +189,12 @@ void addPlace(CLI::App& command, const std::string& name, std::filesystem::path&
 void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command) {
   if (!path.empty()) return;
   const std::string name = fullName(command);
-  throw InputError(fmt::format("error: {0} is missing, as in {1} {0}; see {1} --help", what, name));
+  std::string places;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_positional()) places += " " + option->get_name(true);
+  }
+  throw InputError(
+      fmt::format("error: {} is missing, as in {}{}; see {} --help", what, name, places, name));
 }
 
 const CLI::App& chosenCommand(const CLI::App& program) {

@@ -280,7 +280,7 @@ TEST(CommandLine, InspectsAndConverts) {
   EXPECT_EQ(convert.output, "fan.fold");
   EXPECT_EQ(convert.target, "open");
   EXPECT_EQ(messageOf({"convert", "fan"}),
-            "error: OUT is missing, as in kirireel convert OUT; see kirireel convert --help");
+            "error: OUT is missing, as in kirireel convert IN OUT; see kirireel convert --help");
 }
 
 TEST(CommandLine, ChoosesFacesOfJoints) {
