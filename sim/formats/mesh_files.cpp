@@ -20,16 +20,17 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/formats/faces.h"
 #include "sim/formats/joint_checks.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_settings.h"
 #include "sim/formats/shared_corners.h"
-#include "sim/formats/tile_checks.h"
-#include "sim/formats/model_formats.h"
 #include "sim/formats/text_table.h"
+#include "sim/formats/tile_checks.h"
 
 namespace kirireel::formats {
 namespace {
@@ -465,6 +466,12 @@ class PlyReader {
   explicit PlyReader(const fs::path& file) : file_(file), text_(readTextFile(file, kPlyPurpose)) {
     readHeader();
     for (const PlyElement& element : elements_) readElement(element);
+    if (!word().empty()) {
+      throw faultHere(
+          fmt::format("there is more data than the header counts ({}). Correct the "
+                      "counts",
+                      describeCounts()));
+    }
     if (faces_.empty()) throw fault("the file has no face");
   }
 
@@ -508,6 +515,22 @@ class PlyReader {
     return inputErrorAt({file_}, fmt::format("{}; {}", what, kPlyPurpose));
   }
 
+  /// A fault in the word that was read last, with its line. Binary data has no lines.
+  InputError faultHere(const std::string& what) const {
+    const bool hasLines = !isInData_ || format_ == PlyFormat::Ascii;
+    const auto end = text_.begin() + static_cast<std::ptrdiff_t>(at_);
+    const int line = hasLines ? 1 + static_cast<int>(std::count(text_.begin(), end, '\n')) : 0;
+    return inputErrorAt({file_, line}, fmt::format("{}; {}", what, kPlyPurpose));
+  }
+
+  std::string describeCounts() const {
+    std::vector<std::string> counts;
+    for (const PlyElement& element : elements_) {
+      counts.push_back(fmt::format("{} {}", element.name, element.count));
+    }
+    return fmt::format("{}", fmt::join(counts, ", "));
+  }
+
   /// The next word of the header or of ASCII data; empty at the end.
   std::string_view word() {
     constexpr std::string_view kBlank = " \t\r\n";
@@ -534,13 +557,13 @@ class PlyReader {
     for (const auto& [known, type] : kTypes) {
       if (known == name) return type;
     }
-    throw fault(fmt::format("there is no type '{}'", shown(name, 24)));
+    throw faultHere(fmt::format("there is no type '{}'", shown(name, 24)));
   }
 
   // Keys come in any order. Unknown keys (comment, obj_info) are ignored up to the end of their
   // line.
   void readHeader() {
-    if (word() != "ply") throw fault("the file does not begin with \"ply\"");
+    if (word() != "ply") throw faultHere("the file does not begin with \"ply\"");
     bool hasFormat = false;
     for (;;) {
       const std::string_view key = word();
@@ -556,7 +579,7 @@ class PlyReader {
         else if (name == "binary_big_endian")
           format_ = PlyFormat::BigEndian;
         else
-          throw fault(fmt::format("there is no format '{}'", shown(name, 24)));
+          throw faultHere(fmt::format("there is no format '{}'", shown(name, 24)));
       } else if (key == "element") {
         PlyElement& element = elements_.emplace_back();
         element.name = word();
@@ -564,7 +587,7 @@ class PlyReader {
         const auto [end, error] =
             std::from_chars(count.data(), count.data() + count.size(), element.count);
         if (error != std::errc() || end != count.data() + count.size() || element.count < 0) {
-          throw fault(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
+          throw faultHere(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
         }
       } else if (key == "property") {
         // A list has more words than a plain property. readProperty() reads exactly what it needs,
@@ -576,10 +599,14 @@ class PlyReader {
     }
     skipLine();
     if (!hasFormat) throw fault("the header has no format");
+    if (std::ranges::find(elements_, "face", &PlyElement::name) == elements_.end()) {
+      throw fault("the header has no element face");
+    }
+    isInData_ = true;
   }
 
   void readProperty() {
-    if (elements_.empty()) throw fault("a property is before its element");
+    if (elements_.empty()) throw faultHere("a property is before its element");
     PlyProperty property;
     std::string_view type = word();
     property.isList = type == "list";
@@ -598,8 +625,8 @@ class PlyReader {
       const std::string_view text = word();
       double value = 0;
       if (readNumber(text, value)) return value;
-      throw fault(text.empty() ? "the file ends early"
-                               : fmt::format("'{}' is not a number", shown(text, 24)));
+      if (text.empty()) throw fault("the file ends early");
+      throw faultHere(fmt::format("'{}' is not a number", shown(text, 24)));
     }
     const auto width = static_cast<std::size_t>(type.width);
     if (text_.size() - at_ < width) throw fault("the file ends early");
@@ -626,14 +653,14 @@ class PlyReader {
     if (value == std::floor(value) && std::abs(value) <= std::numeric_limits<int>::max()) {
       return static_cast<int>(value);
     }
-    throw fault(fmt::format("{:g} is no {}", value, what));
+    throw faultHere(fmt::format("{:g} is no {}", value, what));
   }
 
   // A length and as many entries. Whole numbers are vertex numbers.
   std::vector<int> list(const PlyProperty& property) {
     const int count = wholeNumber(property.count, "length of a list");
     if (count < 0 || count > std::ssize(text_)) {
-      throw fault(fmt::format("a list cannot be {} long", count));
+      throw faultHere(fmt::format("a list cannot be {} long", count));
     }
     std::vector<int> numbers;
     for (int k = 0; k < count; ++k) {
@@ -675,7 +702,7 @@ class PlyReader {
     const bool isPadding = point.array().isNaN().all();
     const bool isWithin = point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate;
     if (!isWithin && !isPadding) {
-      throw fault(fmt::format("vertex {} is not within {:g}", points_.size(), kMaxCoordinate));
+      throw faultHere(fmt::format("vertex {} is not within {:g}", points_.size(), kMaxCoordinate));
     }
     points_.push_back(point);
   }
@@ -683,6 +710,7 @@ class PlyReader {
   fs::path file_;
   std::string text_;
   std::size_t at_ = 0;
+  bool isInData_ = false;  ///< behind the header
   PlyFormat format_ = PlyFormat::Ascii;
   std::vector<PlyElement> elements_;
   std::vector<Vector3> points_;

@@ -16,6 +16,8 @@
 #include <numbers>
 #include <optional>
 #include <regex>
+#include <set>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -26,12 +28,12 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/formats/joint_checks.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_settings.h"
 #include "sim/formats/repairs.h"
+#include "sim/formats/text_table.h"
 #include "sim/formats/tile_checks.h"
 #include "sim/formats/written_digits.h"
-#include "sim/formats/model_formats.h"
-#include "sim/formats/text_table.h"
 #include "sim/model/sheet_frame.h"
 
 namespace kirireel::formats {
@@ -217,6 +219,9 @@ namespace fs = std::filesystem;
 const std::string kPlanarTilePurpose = "write one tile per line, \"x y\" for each vertex";
 const std::string kPlanarJointPurpose =
     "write one joint per line, \"tile vertex tile vertex\", from 1";
+const std::string kInSpace =
+    "Put files with x, y and z, and joints with a face, into a folder as vertices.txt and "
+    "constraints.txt";
 const std::string kPlanarHullPurpose =
     "write one corner of the sheet's outline per line, \"tile vertex\", from 0, at least 3";
 
@@ -227,12 +232,18 @@ TileTable readPlanarTiles(const fs::path& file) {
   table.file = file;
   table.countsFrom = 1;
   TextLine line;
+  std::set<std::string> heights;  // of all vertices, if the numbers are x, y and z
+  bool areTriples = true;
   while (text.next(line)) {
     if (line.fields.size() % 2 != 0 || line.fields.size() < 6) {
       throw inputErrorAt({file, line.number},
                          fmt::format("tile {} has {} numbers; write x and y for each of at least 3 "
-                                     "vertices",
-                                     table.tiles.size() + 1, line.fields.size()));
+                                     "vertices. {}",
+                                     table.tiles.size() + 1, line.fields.size(), kInSpace));
+    }
+    areTriples = areTriples && line.fields.size() >= 9 && line.fields.size() % 3 == 0;
+    for (std::size_t k = 2; k < line.fields.size(); k += 3) {
+      heights.emplace(line.fields[k].text);
     }
     model::Tile& tile = table.tiles.emplace_back();
     TileSource& source = table.sources.emplace_back();
@@ -247,6 +258,10 @@ TileTable readPlanarTiles(const fs::path& file) {
   }
   if (table.tiles.empty()) {
     throw inputErrorAt({file}, fmt::format("the file has no tile; {}", kPlanarTilePurpose));
+  }
+  if (areTriples && heights.size() == 1) {
+    throw inputErrorAt({file}, fmt::format("every third number is {}: vertices have x, y and z. {}",
+                                           *heights.begin(), kInSpace));
   }
   return table;
 }
@@ -266,8 +281,9 @@ JointTable readPlanarJoints(const fs::path& file, model::Model& model,
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 4) {
-      throw inputErrorAt({file, line.number}, fmt::format("a joint does not have {} numbers; {}",
-                                                          line.fields.size(), kPlanarJointPurpose));
+      throw inputErrorAt({file, line.number},
+                         fmt::format("a joint does not have {} numbers; {}. {}", line.fields.size(),
+                                     kPlanarJointPurpose, kInSpace));
     }
     JointRow& row = table.rows.emplace_back();
     row.line = line.number;

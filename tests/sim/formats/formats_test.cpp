@@ -501,11 +501,13 @@ TEST(FormatErrors, Ply) {
     return messageFor({{"a.ply", text}}, "a.ply");
   };
   const std::string end = "; give a PLY mesh with one face per tile";
-  EXPECT_EQ(message("solid"), "@/a.ply: error: the file does not begin with \"ply\"" + end);
+  EXPECT_EQ(message("solid"), "@/a.ply:1: error: the file does not begin with \"ply\"" + end);
   EXPECT_EQ(message("ply\n"), "@/a.ply: error: the header has no end" + end);
   EXPECT_EQ(message("ply\nend_header\n"), "@/a.ply: error: the header has no format" + end);
   EXPECT_EQ(message("ply\nformat cuneiform 1.0\n"),
-            "@/a.ply: error: there is no format 'cuneiform'" + end);
+            "@/a.ply:2: error: there is no format 'cuneiform'" + end);
+  EXPECT_EQ(message("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
+            "@/a.ply: error: the header has no element face" + end);
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
       "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
@@ -516,6 +518,12 @@ TEST(FormatErrors, Ply) {
                 end);
   EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1 0 2 0 1"),
             "@/a.ply: error: face 0 has 2 vertices, a tile has at least 3" + end);
+  EXPECT_EQ(message(header + "0 0 0\n1 0 x\n1 1 0\n3 0 1 2\n"),
+            "@/a.ply:11: error: 'x' is not a number" + end);
+  EXPECT_EQ(message(header + "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n3 2 1 0\n"),
+            "@/a.ply:14: error: there is more data than the header counts (vertex 3, face 1). "
+            "Correct the counts" +
+                end);
 }
 
 TEST(FormatErrors, TilesOfTooManyVertices) {
@@ -546,6 +554,9 @@ TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
 }
 
 TEST(FormatErrors, PlanarFiles) {
+  const std::string inSpace =
+      "Put files with x, y and z, and joints with a face, into a folder as vertices.txt and "
+      "constraints.txt";
   const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
   const std::string turned =
       "@/./vertices.txt:1: repaired: 2 of 2 tiles run clockwise seen from above; reversed, and "
@@ -560,11 +571,17 @@ TEST(FormatErrors, PlanarFiles) {
       "column");
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
             "@/./constraints.txt:1: error: a joint does not have 3 numbers; write one joint per "
-            "line, \"tile vertex tile vertex\", from 1");
+            "line, \"tile vertex tile vertex\", from 1. " +
+                inSpace);
+  EXPECT_EQ(
+      messageFor({{"a_vertices.txt", "0 0 1 1 0 1 1 1 1 0 1 1\n"}, {"a_constraints.txt", ""}},
+                 "a_vertices.txt"),
+      "@/a_vertices.txt: error: every third number is 1: vertices have x, y and z. " + inSpace);
   EXPECT_EQ(
       messageFor({{"a_vertices.txt", "0 0 0 1\n"}, {"a_constraints.txt", ""}}, "a_vertices.txt"),
       "@/a_vertices.txt:1: error: tile 1 has 4 numbers; write x and y for each of at least 3 "
-      "vertices");
+      "vertices. " +
+          inSpace);
 }
 
 // The same files under another name of the model are the same model.
