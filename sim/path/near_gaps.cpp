@@ -61,54 +61,60 @@ NearGapFinder::NearGapFinder(const std::vector<brick::Brick>& bricks,
                              double pivotZone, bool planar, const Poses& start)
     : planar_(planar) {
   const auto joined = brick::sharedCorners(pivots);
+  const int count = static_cast<int>(bricks.size());
   std::vector<std::vector<brick::BrickPiece>> pieces;
   std::vector<std::vector<std::size_t>> whole;
-  for (const brick::Brick& brick : bricks) {
-    radii_.push_back(contacts::outerRadius(brick));
-    pieces.push_back(brick::convexPieces(brick, static_cast<int>(pieces.size())));
-    whole.push_back(addOutlines(pieces.back(), {}, 0));
+  for (int brick = 0; brick < count; ++brick) {
+    radii_.push_back(contacts::outerRadius(bricks[brick]));
+    pieces.push_back(brick::convexPieces(bricks[brick], brick));
+    whole.push_back(addPieces(pieces.back(), brick, {}, 0));
   }
-  const int count = static_cast<int>(bricks.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
       const auto corners = joined.find({a, b});
       if (corners == joined.end()) {
-        addPairs(a, b, whole[a], whole[b]);
+        addPair(a, b, whole[a], whole[b]);
       } else if (contacts == scene::ContactFilter::All && !corners->second.areOneTile) {
         const double length = brick::cutLength(bricks[a], bricks[b], pivotZone);
-        addPairs(a, b, addOutlines(pieces[a], corners->second.ofA, length),
-                 addOutlines(pieces[b], corners->second.ofB, length));
+        addPair(a, b, addPieces(pieces[a], a, corners->second.ofA, length),
+                addPieces(pieces[b], b, corners->second.ofB, length));
       }
     }
   }
-  for (std::vector<PiecePair>& ofBricks : pairs_) {
-    for (PiecePair& pair : ofBricks) {
-      place(pair, start);
-      pair.kept = std::max(0.0, -separate(pair, 0));
+  ++state_;
+  for (BrickPair& ofBricks : pairs_) {
+    for (PiecePair& pair : ofBricks.pieces) {
+      pair.kept = std::max(0.0, -separate(pair, 0, start));
     }
   }
 }
 
-std::vector<std::size_t> NearGapFinder::addOutlines(const std::vector<brick::BrickPiece>& pieces,
-                                                    const std::vector<int>& withoutCorners,
-                                                    double length) {
+std::vector<std::size_t> NearGapFinder::addPieces(const std::vector<brick::BrickPiece>& pieces,
+                                                  int brick, const std::vector<int>& withoutCorners,
+                                                  double length) {
   std::vector<std::size_t> added;
-  for (const brick::BrickPiece& piece : pieces) {
-    added.push_back(outlines_.size());
-    outlines_.push_back(contacts::makeOutline(
-        length > 0 ? brick::withoutCorners(piece, withoutCorners, length) : piece.shape, planar_));
+  for (const brick::BrickPiece& shape : pieces) {
+    added.push_back(pieces_.size());
+    Piece& piece = pieces_.emplace_back();
+    piece.brick = brick;
+    piece.outline = contacts::makeOutline(
+        length > 0 ? brick::withoutCorners(shape, withoutCorners, length) : shape.shape, planar_);
+    piece.centre = meanPoint(piece.outline.points);
+    for (const Vector3& point : piece.outline.points) {
+      piece.radius = std::max(piece.radius, (point - piece.centre).norm());
+    }
   }
   return added;
 }
 
-void NearGapFinder::addPairs(int a, int b, const std::vector<std::size_t>& outlinesA,
-                             const std::vector<std::size_t>& outlinesB) {
-  std::vector<PiecePair>& added = pairs_.emplace_back();
-  for (const std::size_t ofA : outlinesA) {
-    for (const std::size_t ofB : outlinesB) {
-      PiecePair& pair = added.emplace_back(PiecePair{a, b, ofA, ofB});
+void NearGapFinder::addPair(int a, int b, const std::vector<std::size_t>& piecesA,
+                            const std::vector<std::size_t>& piecesB) {
+  BrickPair& added = pairs_.emplace_back(BrickPair{a, b, {}});
+  for (const std::size_t ofA : piecesA) {
+    for (const std::size_t ofB : piecesB) {
+      PiecePair& pair = added.pieces.emplace_back(PiecePair{ofA, ofB});
       // Planes are indices of faces and edges: pieces with equal counts have the same list.
-      const Outline &x = outlines_[ofA], &y = outlines_[ofB];
+      const Outline &x = pieces_[ofA].outline, &y = pieces_[ofB].outline;
       const auto [list, isNew] = planeLists_.try_emplace(
           {x.normals.size(), x.directions.size(), y.normals.size(), y.directions.size()});
       if (isNew) list->second = contacts::separatingPlanes(x, y);
@@ -117,40 +123,49 @@ void NearGapFinder::addPairs(int a, int b, const std::vector<std::size_t>& outli
   }
 }
 
-void NearGapFinder::place(const PiecePair& pair, const Poses& poses) {
-  contacts::placeOutline(outlines_[pair.a], poses[pair.brickA], placedA_);
-  contacts::placeOutline(outlines_[pair.b], poses[pair.brickB], placedB_);
+/// The outline of a piece in the current state.
+const PlacedOutline& NearGapFinder::place(std::size_t piece, const Poses& poses) {
+  Piece& found = pieces_[piece];
+  if (found.state != state_) {
+    contacts::placeOutline(found.outline, poses[found.brick], found.placed);
+    found.state = state_;
+  }
+  return found.placed;
 }
 
-/// The largest separation of a placed pair, metres. Stores its plane in `known`, the first of
-/// equally good planes. Stops at the first plane that separates the pair by the margin.
-double NearGapFinder::separate(PiecePair& pair, double margin) {
+/// The largest separation of a pair, metres. Stores its plane in `known`, the first of equally good
+/// planes. Stops at a lower bound that reaches the margin.
+double NearGapFinder::separate(PiecePair& pair, double margin, const Poses& poses) {
+  const Piece &a = pieces_[pair.a], &b = pieces_[pair.b];
+  const double apart = (poses[a.brick].apply(a.centre) - poses[b.brick].apply(b.centre)).norm() -
+                       a.radius - b.radius;
+  if (apart >= margin) return apart;
+  const PlacedOutline &placedA = place(pair.a, poses), &placedB = place(pair.b, poses);
   const auto along = [&](std::size_t plane) {
-    return contacts::separation((*pair.planes)[plane], placedA_, placedB_);
+    return contacts::separation((*pair.planes)[plane], placedA, placedB);
   };
-  if (const double known = along(pair.known); margin > 0 && known >= margin) return known;
-  const double tie = kEqualPlanes * (radii_[pair.brickA] + radii_[pair.brickB]);
+  if (const double known = along(pair.known); known >= margin) return known;
+  const double tie = kEqualPlanes * (radii_[a.brick] + radii_[b.brick]);
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < pair.planes->size(); ++k) {
     const double distance = along(k);
     if (!(distance > best + tie)) continue;
-    if (!contacts::isSteady((*pair.planes)[k], placedA_, placedB_)) continue;
+    if (!contacts::isSteady((*pair.planes)[k], placedA, placedB)) continue;
     best = distance;
     pair.known = k;
-    if (margin > 0 && best >= margin) return best;
+    if (best >= margin) return best;
   }
   return best;
 }
 
 std::vector<NearGap> NearGapFinder::find(const Poses& poses, double margin, double reach) {
   std::vector<NearGap> gaps;
-  for (std::vector<PiecePair>& ofBricks : pairs_) {
-    const int a = ofBricks.front().brickA, b = ofBricks.front().brickB;
+  ++state_;
+  for (auto& [a, b, pieces] : pairs_) {
     const double near = radii_[a] + radii_[b] + margin;
     if ((poses[a].position - poses[b].position).squaredNorm() >= near * near) continue;
-    for (PiecePair& pair : ofBricks) {
-      place(pair, poses);
-      const double distance = separate(pair, margin);
+    for (PiecePair& pair : pieces) {
+      const double distance = separate(pair, margin, poses);
       if (distance < margin) append(pair, distance, reach, poses, gaps);
     }
   }
@@ -160,30 +175,33 @@ std::vector<NearGap> NearGapFinder::find(const Poses& poses, double margin, doub
 void NearGapFinder::append(const PiecePair& pair, double distance, double reach, const Poses& poses,
                            std::vector<NearGap>& gaps) const {
   const SeparatingPlane& plane = (*pair.planes)[pair.known];
-  const Vector3 normal = contacts::planeNormal(plane, placedA_, placedB_);
+  const int brickA = pieces_[pair.a].brick, brickB = pieces_[pair.b].brick;
+  const PlacedOutline &placedA = pieces_[pair.a].placed, &placedB = pieces_[pair.b].placed;
+  const Vector3 normal = contacts::planeNormal(plane, placedA, placedB);
   const auto add = [&](const Vector3& point, double gap) {
     NearGap& added = gaps.emplace_back();
-    added.brickA = pair.brickA;
-    added.brickB = pair.brickB;
+    added.brickA = brickA;
+    added.brickB = brickB;
     added.gap = gap + pair.kept;
-    added.ofA << normal, (point - poses[pair.brickA].position).cross(normal);
-    added.ofB << -normal, -(point - poses[pair.brickB].position).cross(normal);
+    added.ofA << normal, (point - poses[brickA].position).cross(normal);
+    added.ofB << -normal, -(point - poses[brickB].position).cross(normal);
   };
   if (plane.kind == SeparatingPlane::Kind::Edges) {
     const double tie = kTie * reach;
-    add(middleOfNearest(lowestEdge(placedA_, normal, tie), lowestEdge(placedB_, -normal, tie)),
+    add(middleOfNearest(lowestEdge(placedA, normal, tie), lowestEdge(placedB, -normal, tie)),
         distance);
     return;
   }
   const bool isOfA = plane.kind == SeparatingPlane::Kind::FaceOfA;
-  const PlacedOutline& faces = isOfA ? placedA_ : placedB_;
-  const PlacedOutline& points = isOfA ? placedB_ : placedA_;
+  const PlacedOutline& faces = isOfA ? placedA : placedB;
+  const PlacedOutline& points = isOfA ? placedB : placedA;
   const Vector3 outward = isOfA ? Vector3(-normal) : normal;
   const int face = isOfA ? plane.a : plane.b;
   const double level = outward.dot(faces.points[faces.outline->facePoints[face]]);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : points.points) least = std::min(least, outward.dot(point));
   for (const Vector3& point : points.points) {
-    const double gap = outward.dot(point) - level;
-    if (gap < distance + reach) add(point, gap);
+    if (outward.dot(point) <= least + reach) add(point, outward.dot(point) - level);
   }
 }
 

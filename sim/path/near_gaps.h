@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <map>
 #include <span>
 #include <utility>
@@ -38,29 +39,41 @@ class NearGapFinder {
   std::vector<NearGap> find(const Poses& poses, double margin, double reach);
 
  private:
+  /// A convex piece of a brick, perhaps without corners.
+  struct Piece {
+    int brick = 0;
+    contacts::Outline outline;
+    Vector3 centre;                  // brick axes
+    double radius = 0;               // about the centre, metres
+    contacts::PlacedOutline placed;  // in the last state in which it was near another piece
+    long state = 0;                  // the number of this state
+  };
   struct PiecePair {
-    int brickA = 0, brickB = 0;
-    std::size_t a = 0, b = 0;  // outlines
+    std::size_t a = 0, b = 0;  // pieces
     const std::vector<contacts::SeparatingPlane>* planes = nullptr;
     double kept = 0;        // overlap at the start, metres
     std::size_t known = 0;  // plane that separated the pair at the last check
   };
+  struct BrickPair {
+    int a = 0, b = 0;
+    std::vector<PiecePair> pieces;
+  };
 
-  std::vector<std::size_t> addOutlines(const std::vector<brick::BrickPiece>& pieces,
-                                       const std::vector<int>& withoutCorners, double length);
-  void addPairs(int a, int b, const std::vector<std::size_t>& outlinesA,
-                const std::vector<std::size_t>& outlinesB);
-  void place(const PiecePair& pair, const Poses& poses);
-  double separate(PiecePair& pair, double margin);
+  std::vector<std::size_t> addPieces(const std::vector<brick::BrickPiece>& pieces, int brick,
+                                     const std::vector<int>& withoutCorners, double length);
+  void addPair(int a, int b, const std::vector<std::size_t>& piecesA,
+               const std::vector<std::size_t>& piecesB);
+  const contacts::PlacedOutline& place(std::size_t piece, const Poses& poses);
+  double separate(PiecePair& pair, double margin, const Poses& poses);
   void append(const PiecePair& pair, double distance, double reach, const Poses& poses,
               std::vector<NearGap>& gaps) const;
 
   bool planar_;
   std::vector<double> radii_;  // of the bricks, metres
-  std::vector<contacts::Outline> outlines_;
+  std::deque<Piece> pieces_;   // placed outlines keep their address
   std::map<std::array<std::size_t, 4>, std::vector<contacts::SeparatingPlane>> planeLists_;
-  std::vector<std::vector<PiecePair>> pairs_;  // grouped by pair of bricks
-  contacts::PlacedOutline placedA_, placedB_;
+  std::vector<BrickPair> pairs_;
+  long state_ = 0;  // number of states so far
 };
 
 }  // namespace kirireel::path

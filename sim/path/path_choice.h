@@ -15,11 +15,11 @@ namespace kirireel::path {
 
 /// The selected path and the reason for the selection.
 struct PathChoice {
-  scene::PathSettings path;  ///< Straight or Guided
-  std::string reason;        ///< one short phrase for the summary
-  bool isFound = false;      ///< it reaches the target, without overlaps if contacts are on
+  scene::PathSettings path;      ///< Straight or Guided
+  std::string reason;            ///< one short phrase for the summary
+  bool isFound = false;          ///< it reaches the target, without overlaps if contacts are on
   bool isCollisionFree = false;  ///< no collision on the path
-  bool isCutShort = false;   ///< the budget was spent before the search ended
+  bool isCutShort = false;       ///< the budget was spent before the search ended
   /// A path that reaches the target, but with overlaps.
   std::optional<scene::PathSettings> through = std::nullopt;
   std::string throughReason = {};  ///< reason for that selection, one short phrase

@@ -1,16 +1,17 @@
 // Selection of a kinematic path.
 //
 // There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
-// and one stop rule: the search ends at the first path that arrives with exact joints and without
-// overlaps. A candidate has a guide, contacts or none, and joints that are exact or of stiffness r.
-// r is relative to the stiffness of one tile's position. If a candidate stiffens, its path guides
-// the next one with r ten times as large, as long as the joint openings decrease.
+// and one stop rule: the search ends at the first path that arrives without overlaps and whose
+// joints count as closed (kOpenJoints). A candidate has a guide, contacts or none, and joints that
+// are exact or of stiffness r. r is relative to the stiffness of one tile's position. If a
+// candidate stiffens, its path guides the next one with r ten times as large, as long as the joint
+// openings decrease.
 //
-// Overlaps are measured at the states and half-way between them. At the end of a branch of the
-// mechanism the path jumps, and its states do not show the overlaps of the jump.
+// Overlaps are measured at the states and between them, as in the run. At the end of a branch of
+// the mechanism the path jumps, and its states do not show the overlaps of the jump.
 //
-// The selected path is improved as a whole if it is rough, overlaps or opens joints
-// (smoothing.cpp). If that makes it worse, the original path is kept.
+// A selected path is improved as a whole if it is rough, overlaps or opens joints (smoothing.cpp).
+// If that makes it worse, the original path is kept.
 #include "sim/path/planner.h"
 
 #include <algorithm>
@@ -29,6 +30,7 @@
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/mechanism_path.h"
+#include "sim/run/run.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -42,6 +44,7 @@ namespace {
 enum class Guide {
   OwnMotion,     ///< each tile's own motion to the goal
   FromTarget,    ///< the same backwards from the goal; joints may be compliant near the start
+  GuidedRun,     ///< a run with dynamics in which springs guide the tiles; see guidedRun()
   PreviousPath,  ///< the last path without contacts and with compliant joints
 };
 
@@ -58,6 +61,7 @@ struct Candidate {
 constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, false, run::kExactJoints},
     {Guide::FromTarget, true, run::kExactJoints},
+    {Guide::GuidedRun, true, run::kExactJoints},
     {Guide::OwnMotion, false, 10, true},
     {Guide::PreviousPath, true, 10},
     {Guide::PreviousPath, true, 100},
@@ -81,6 +85,7 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
 std::string describe(const Candidate& candidate) {
   const char* guide = candidate.guide == Guide::OwnMotion    ? "motion of each tile"
                       : candidate.guide == Guide::FromTarget ? "backwards from the target"
+                      : candidate.guide == Guide::GuidedRun  ? "guided run"
                                                              : "previous path";
   const std::string joints = std::isinf(candidate.jointStiffness)
                                  ? "exact joints"
@@ -92,9 +97,9 @@ std::string describe(const Candidate& candidate) {
 // that it has followed.
 constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
-// The same for a candidate from the target, if exact joints arrive without contacts. A path that
-// contacts do not block takes many short moves. A blocked path costs little.
-constexpr double kFromTargetShare = 0.75;
+// Duration of a guided run in periods of the springs, and the number of its states.
+constexpr double kRunPeriods = 12;
+constexpr double kGuidedStates = 200;
 // A final move to the nearest state is at most this fraction of a tile.
 constexpr double kLastMove = 1e-3;
 // The extension without contacts may use this fraction of the budget.
@@ -186,9 +191,6 @@ bool mayTouch(const scene::Scene& scene) {
   return scene.environment.contacts != scene::ContactFilter::None;
 }
 
-// Overlaps of the states in so many intervals are measured together.
-constexpr std::size_t kTogether = 6;
-
 /// Measures a path except for its end, error and work. The scene has the contacts that were
 /// requested.
 void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
@@ -198,33 +200,23 @@ void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
   run::PathEvaluation& evaluation = found.evaluation;
   trajectory::PenetrationMeter meter =
       run::overlapMeter(scene.environment, bricks, pivots, states.front());
-  evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
-  std::vector<Poses> halves;  // of kTogether intervals
-  std::vector<const Poses*> measured;
-  const auto measure = [&] {
-    if (mayTouch(scene)) {
-      constexpr double kAny = std::numeric_limits<double>::infinity();
-      evaluation.overlapGrowth =
-          meter.atLeastEach({kAny, kAny, evaluation.overlapGrowth}, measured).back().grown;
-      if (measured.back() == &states.back())
-        evaluation.overlapGrowthAtEnd = meter.grownAt(states.back());
-    }
-    for (const Poses* state : measured) {
-      if (!found.hasCompliantJoints) break;
-      evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, *state).max);
-    }
-    halves.clear();
-    measured.clear();
-  };
   run::StatesBetween between(scene, found);
-  halves.reserve(kTogether);
-  measured.push_back(&states.front());
-  for (std::size_t k = 1; k < states.size(); ++k) {
-    measured.push_back(&halves.emplace_back(between.at(k, 0.5)));
+  evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    if (found.hasCompliantJoints) {
+      evaluation.opening =
+          std::max(evaluation.opening, trajectory::jointGap(pivots, states[k]).max);
+    }
+    if (k == 0 || !mayTouch(scene)) continue;
+    const std::vector<Poses> moments = between.moments(k);
+    std::vector<const Poses*> measured;
+    for (const Poses& moment : moments) measured.push_back(&moment);
     measured.push_back(&states[k]);
-    if (halves.size() == kTogether) measure();
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    evaluation.overlapGrowth =
+        meter.atLeastEach({kAny, kAny, evaluation.overlapGrowth}, measured).back().grown;
   }
-  if (!measured.empty()) measure();
+  if (mayTouch(scene)) evaluation.overlapGrowthAtEnd = meter.grownAt(states.back());
   evaluation.length = found.path.length();
   measureRoughness(bricks, found.path, evaluation);
 }
@@ -282,10 +274,12 @@ constexpr double kSmoothTurn = 10 * kDegree;
 // Bricks with a larger overlap, as a fraction of a tile, are not pushed apart: another path is
 // needed.
 constexpr double kSmallOverlap = 0.1;
+// Smoothing may use this fraction of the budget.
+constexpr double kSmoothingShare = 0.2;
 
 /// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
-/// it is smoother and its overlaps and openings do not exceed those of the found path beyond the
-/// tolerance. Returns the figures of the improved path, if there is one.
+/// it is smoother or no longer overlaps, and if its overlaps and openings do not exceed those of
+/// the found path beyond the tolerance. Returns the figures of the improved path, if there is one.
 std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::GeometricPath& found,
                                            run::SearchBudget& budget,
                                            const PathObserver& shouldContinue) {
@@ -294,25 +288,29 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   const double allowed = run::kClearShare * tile;
   const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
   if (isSmooth && before.overlapGrowth <= allowed && before.opening == 0) return std::nullopt;
-  const double spent = budget.spent();
+  run::SearchBudget part(std::min(budget.left(), kSmoothingShare * budget.all()));
   run::GeometricPath better = found;
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
   const scene::ContactFilter contacts =
       arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
-  if (auto path = smoothed(scene, found, contacts, budget, shouldContinue)) {
+  if (auto path = smoothed(scene, found, contacts, part, shouldContinue)) {
     better.path = *std::move(path);
     // Without overlaps on the found path, a path near it needs no contacts.
     if (before.overlapGrowth > allowed) better.contacts = contacts;
     evaluate(scene, better);
   }
   run::PathEvaluation& after = better.evaluation;
-  after.candidate = "smoothed: " + before.candidate;
-  after.work = budget.spent() - spent;
+  const std::string prefix = "smoothed: ";
+  if (!before.candidate.starts_with(prefix)) after.candidate = prefix + before.candidate;
+  after.work = part.spent();
+  budget.spend(part.spent());
   const run::PathEvaluation improved = after;
   // Joints with smaller gaps count as closed.
   const double closed = found.path.isRounded ? 0 : run::kOpenJoints * tile;
+  const bool isFreed = before.overlapGrowth > allowed && after.overlapGrowth <= allowed;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
-      after.opening <= std::max(before.opening, closed) && after.stepChange < before.stepChange) {
+      after.opening <= std::max(before.opening, closed) &&
+      (isFreed || after.stepChange < before.stepChange)) {
     found = std::move(better);
   }
   return improved;
@@ -372,13 +370,10 @@ class Planner {
       }
       tryCandidate(candidate);
       if (!budget_.isLimited()) limitBudget();
-      if (isExactEnough(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
+      if (mayEndSearch()) improveSelected();
+      if (isGood(*planned_.path)) break;
     }
-    if (planned_.path->evaluation.end == run::PathEnd::Arrived) {
-      const auto improved =
-          improve(scene_, *planned_.path, budget_, [&](double) { return report(kSmoothing); });
-      if (improved) planned_.candidates.push_back(*improved);
-    }
+    improveSelected();
     // A candidate that ran out of budget matters only if no other is collision-free.
     planned_.isCutShort =
         planned_.isCutShort ||
@@ -391,9 +386,32 @@ class Planner {
   }
 
  private:
-  /// Whether joints are exact, or compliant by request.
-  bool isExactEnough(const run::GeometricPath& found) const {
-    return !found.hasCompliantJoints || found.path.isRounded || scene_.path.jointsAreCompliant();
+  /// Whether joints hardly open, or are compliant by request.
+  bool isClosed(const run::GeometricPath& found) const {
+    return found.path.isRounded || scene_.path.jointsAreCompliant() ||
+           found.evaluation.opening <= run::kOpenJoints * tile_;
+  }
+
+  bool isGood(const run::GeometricPath& found) const {
+    return isClosed(found) && isCollisionFree(scene_, found);
+  }
+
+  /// Whether the selected path, improved, could end the search. A path with contacts overlaps only
+  /// between its states.
+  bool mayEndSearch() const {
+    const run::GeometricPath& found = *planned_.path;
+    return isClosed(found) && (found.evaluation.hasContacts || !overlaps(scene_, found));
+  }
+
+  /// Improves the selected path, if it arrives. Continues later if overlaps remain.
+  void improveSelected() {
+    run::GeometricPath& selected = *planned_.path;
+    if (isImproved_ || selected.evaluation.end != run::PathEnd::Arrived) return;
+    const double before = selected.evaluation.overlapGrowth;
+    const auto improved =
+        improve(scene_, selected, budget_, [&](double) { return report(kSmoothing); });
+    if (improved) planned_.candidates.push_back(*improved);
+    isImproved_ = isGood(selected) || !(selected.evaluation.overlapGrowth < before);
   }
 
   /// Limits the search by the work of the first candidate. If this was stuck early, its work is
@@ -418,6 +436,7 @@ class Planner {
     if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     const bool isFree = isCollisionFree(scene_, *planned_.path);
+    if (candidate.guide == Guide::GuidedRun) return !isFree && scene_.springs.pull();
     // Exact joints with contacts cost most, and have no benefit if joints hardly open.
     if (hasExactJoints && candidate.guide == Guide::OwnMotion) {
       return !isFree || planned_.path->evaluation.opening >= kOpeningStep * tile_;
@@ -445,8 +464,9 @@ class Planner {
   }
 
   void tryCandidate(Candidate candidate) {
-    std::vector<Poses> guide =
-        candidate.guide == Guide::PreviousPath ? previous_ : folds_.from(start_);
+    std::vector<Poses> guide = candidate.guide == Guide::PreviousPath ? previous_
+                               : candidate.guide == Guide::GuidedRun  ? guidedRun()
+                                                                      : folds_.from(start_);
     std::optional<run::PathEvaluation> last;
     while (true) {
       run::GeometricPath found = follow(candidate, guide);
@@ -466,6 +486,31 @@ class Planner {
     }
   }
 
+  /// The states of a run with dynamics and contacts in which springs guide the tiles to the target.
+  /// Where a kinematic path jams, their inertia can take bricks past each other.
+  std::vector<Poses> guidedRun() {
+    scene::Scene trial = scene_;
+    trial.environment.contacts = contactsIfOn(scene_.environment.contacts);
+    trial.stop = scene::StopRules{};
+    trial.path = {scene::PathKind::Guided};
+    trial.path.guideTime = kRunPeriods / scene_.springs.frequency;
+    std::vector<Poses> states;
+    const run::Run* running = nullptr;  // the run's constructor already takes the first sample
+    run::RunObservers watch;
+    watch.sampleInterval = trial.path.guideTime / kGuidedStates;
+    watch.sample = [&](const trajectory::Sample& sample) {
+      states.push_back(sample.poses);
+      return report("guided run") &&
+             (!running || running->cost().took.work <= kParts * kPathShare * budget_.left());
+    };
+    run::Run run(trial, nearest_, watch);
+    running = &run;
+    run.markAsTrial();
+    budget_.spend(run.finish().cost.took.work);
+    states.push_back(nearest_.poses);
+    return states;
+  }
+
   /// Follows a guide and evaluates the path.
   run::GeometricPath follow(const Candidate& candidate, const std::vector<Poses>& guide) {
     scene::Scene trial = scene_;
@@ -478,8 +523,7 @@ class Planner {
     run::SearchBudget part(budget_.left());
     const bool isBack = candidate.guide == Guide::FromTarget;
     const auto shouldContinue = [&](double progress) {
-      const double share =
-          isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
+      const double share = kPathShare * (1 + (kParts - 1) * progress);
       return report(found.evaluation.candidate) && part.spent() <= share * budget_.all();
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
@@ -549,6 +593,7 @@ class Planner {
     if (isWithoutStart) return;
     if (planned_.path && !order_.isBetter(evaluation, planned_.path->evaluation)) return;
     planned_.path = std::move(found);
+    isImproved_ = false;
   }
 
   /// Reports what is being tried. Returns whether to continue.
@@ -565,11 +610,12 @@ class Planner {
   double tile_;  // metres
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
-  Poses start_, closedStart_;    // as read, and with closed joints
+  Poses start_, closedStart_;  // as read, and with closed joints
   FoldGuide folds_;
   std::vector<Poses> previous_;  // the last path without contacts and with compliant joints
   std::optional<bool> isBlocked_;
   PlannedPath planned_;
+  bool isImproved_ = false;  // the selected path
   bool isOver_ = false;
 };
 

@@ -27,6 +27,7 @@
 #include "sim/path/smoothing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -40,6 +41,7 @@
 #include "sim/path/near_gaps.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/mechanism_path.h"
+#include "sim/run/state_interpolator.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -57,6 +59,8 @@ constexpr int kIntervals = 60;          // between the states that are improved
 constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
 constexpr double kLeastFinal = 120;     // minimum number of intervals of the result
 constexpr double kMostFinal = 400;
+// States are inserted down to this spacing, as a fraction of the path.
+constexpr double kLeastSpacing = 1e-5;
 constexpr int kSmoothingRounds = 12;      // maximum number of accepted rounds
 constexpr int kSmoothingTries = 24;       // maximum number of tried rounds
 constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller gain ends the rounds
@@ -331,7 +335,9 @@ class Smoothing {
     }
     free_ = static_cast<int>(least->cols());
     const double cost = kProgramCost * static_cast<double>(count()) * std::pow(freedoms(), 3);
-    if (free_ == 0 || cost > budget_.left()) return false;
+    // A single motion has one curve, which cannot be smoother.
+    const int rigid = isPlanar_ ? 3 : 6;
+    if (freedoms() < 2 + rigid || cost > budget_.left()) return false;
     bases_.assign(count(), *least);
     for (std::size_t i = from; i < count(); ++i) {
       bases_[i] = carriedOn(i == from ? *least : bases_[i - 1], states_[i], isOpen_[i]);
@@ -433,7 +439,9 @@ class Smoothing {
     double deepest = 0;
     if (!gaps_) return deepest;
     for (const Poses& poses : states) {
-      for (const NearGap& near : gaps_->find(poses, 0, 0)) deepest = std::max(deepest, -near.gap);
+      for (const NearGap& near : gaps_->find(poses, 0, 0)) {
+        deepest = std::max(deepest, -near.gap);
+      }
     }
     return deepest;
   }
@@ -611,42 +619,71 @@ class Smoothing {
     close(poses, isOpen);
   }
 
-  /// Path lengths of the states of the result, for a path of length `whole`.
+  /// Path lengths of the states of the result but the first, the last one first.
   std::vector<double> finalLengths(double whole) const {
     const double count =
         std::clamp(std::ceil(whole / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
-    const double spacing = whole / count;
     std::vector<double> lengths;
-    for (int k = 1; k < count; ++k) lengths.push_back(k * spacing);
+    for (double k = count; k > 0; --k) lengths.push_back(whole * (k / count));
     return lengths;
   }
 
-  /// States at constant speed on cubics through the improved states.
+  /// States at constant speed on cubics through the improved states. More follow where bricks
+  /// overlap between two of them.
   std::vector<Poses> interpolated() {
     std::vector<double> lengths = {0};
     for (std::size_t i = 1; i < count(); ++i) {
       lengths.push_back(lengths.back() + run::pathDistance(bricks_, states_[i - 1], states_[i]));
     }
+    std::vector<double> places = finalLengths(lengths.back());
+    const std::size_t most = 2 * places.size();
     std::vector<Poses> found = {states_.front()};
-    for (const double length : finalLengths(lengths.back())) {
-      const auto next = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
-      const auto i = static_cast<std::size_t>(next - lengths.begin());
-      const bool isOpen = isOpen_[i - 1] || isOpen_[i];
-      Poses poses = onCubic(lengths, i, length);
-      if (isOpen) {
-        const double share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
-        closeTo((1 - share) * joints_.gaps(states_[i - 1]) + share * joints_.gaps(states_[i]),
-                poses);
-      } else {
-        close(poses, false);
+    double last = 0;
+    while (!places.empty()) {
+      const double next = places.back();
+      Poses poses = next == lengths.back() ? states_.back() : stateAt(lengths, next);
+      const bool mayInsert =
+          found.size() + places.size() < most && next - last > kLeastSpacing * lengths.back();
+      if (mayInsert && overlapsBetween(found.back(), poses)) {
+        places.push_back(0.5 * (last + next));
+        continue;
       }
-      const std::size_t near = length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
-      pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap);
-      makeSymmetric(poses, isOpen);
+      places.pop_back();
       found.push_back(std::move(poses));
+      last = next;
     }
-    found.push_back(states_.back());
     return found;
+  }
+
+  /// Whether bricks overlap between two neighbouring states by more than in them.
+  bool overlapsBetween(const Poses& from, const Poses& to) {
+    if (!gaps_) return false;
+    const auto closedAt = [&](double share) {
+      Poses poses = interpolate(from, to, share);
+      closeTo((1 - share) * joints_.gaps(from) + share * joints_.gaps(to), poses);
+      return poses;
+    };
+    const std::array<Poses, 2> thirds = {closedAt(1.0 / 3), closedAt(2.0 / 3)};
+    const double deepest = std::max(overlapOf({from, to}), kMostOverlap * tile_);
+    return overlapOf(run::momentsThrough(from, thirds, to)) > deepest;
+  }
+
+  /// The state at a length between the ends, `lengths` being those of the improved states.
+  Poses stateAt(const std::vector<double>& lengths, double length) {
+    const auto next = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
+    const auto i = static_cast<std::size_t>(next - lengths.begin());
+    const bool isOpen = isOpen_[i - 1] || isOpen_[i];
+    Poses poses = onCubic(lengths, i, length);
+    if (isOpen) {
+      const double share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
+      closeTo((1 - share) * joints_.gaps(states_[i - 1]) + share * joints_.gaps(states_[i]), poses);
+    } else {
+      close(poses, false);
+    }
+    const std::size_t near = length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
+    pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap);
+    makeSymmetric(poses, isOpen);
+    return poses;
   }
 
   /// The cubic through the four states around the interval before state i (Lagrange).

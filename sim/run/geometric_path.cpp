@@ -81,10 +81,7 @@ class Playback {
     poses_ = &found_.path.states[state];
     StepReport report;
     report.steps = 1;
-    const StatesWithin within = {
-        before,
-        momentsThrough(found_.path.states[state - 1],
-                       {between_.at(state, 1.0 / 3), between_.at(state, 2.0 / 3)}, *poses_)};
+    const StatesWithin within = {before, between_.moments(state)};
     figures_.observe(time_, *poses_, report, found_.hasCompliantJoints, within);
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
@@ -263,6 +260,11 @@ Poses StatesBetween::at(std::size_t state, double share) {
   closeInPlace(poses, *projection_);
   symmetries_.restore(poses, *projection_);
   return poses;
+}
+
+std::vector<Poses> StatesBetween::moments(std::size_t state) {
+  return momentsThrough(found_.path.states[state - 1], {at(state, 1.0 / 3), at(state, 2.0 / 3)},
+                        found_.path.states[state]);
 }
 
 // ------------------------------------------------------------------------------------------------

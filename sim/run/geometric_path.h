@@ -38,6 +38,9 @@ class StatesBetween {
 
   /// The state at a share ([0, 1]) between the state before `state` and `state`.
   Poses at(std::size_t state, double share);
+  /// kMomentsBetween equidistant states before `state` and after the one before it, by the cubic
+  /// through at(1/3) and at(2/3). The search and the run measure overlaps in these states.
+  std::vector<Poses> moments(std::size_t state);
 
  private:
   bool isOpen(const Poses& state) const;

@@ -30,7 +30,7 @@ struct PathEvaluation {
   bool hasContacts = false;       ///< whether bricks were kept apart
   PathEnd end = PathEnd::Short;   ///< how the path ends
   double error = 0;               ///< target error of its last state; 0 without a target
-  double overlapGrowth = 0;       ///< deepest beyond the start, at states and half-way between them
+  double overlapGrowth = 0;       ///< deepest beyond the start, at states and between them
   double overlapGrowthAtEnd = 0;  ///< the same in the last state
   double opening = 0;             ///< largest of any joint, if joints are compliant
   int roughFrames = 0;            ///< of 360, in which the whole motion rotates by over 30 degrees

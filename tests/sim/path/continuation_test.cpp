@@ -408,6 +408,32 @@ TEST(Continuation, OpensJointsToLeaveAFlushStart) {
   EXPECT_THAT(run.pathReason, testing::HasSubstr("compliant joints"));
 }
 
+/// The search and the run measure overlaps of the same path by different code. A path that arrives
+/// without overlaps and hardly opens joints ends the search.
+TEST(Continuation, OverlapsOfTheSearchAreThoseOfTheRun) {
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("cap"), {{"half-size", 2}}));
+  const double tile = model::tileSize(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+  ASSERT_LE(run.candidates.size(), 3U);
+  const run::PathEvaluation& chosen = run.candidates.back();
+  EXPECT_EQ(chosen.end, run::PathEnd::Arrived);
+  EXPECT_LE(chosen.overlapGrowth, 1e-4 * tile);
+  EXPECT_NEAR(chosen.overlapGrowth, run.accuracy.penetrationGrownMax, 1e-9 * tile);
+  EXPECT_NEAR(chosen.opening, run.accuracy.jointOpeningMax, 1e-12 * tile);
+}
+
+/// Kinematic paths jam on the way from a flat strip to a twisted band. A run with dynamics does
+/// not.
+TEST(Continuation, FollowsAGuidedRunWhereBricksJam) {
+  const scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("moebius"), {}));
+  const double tile = model::tileSize(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(run.path.kind, scene::PathKind::Continuation);
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);
+}
+
 /// The symmetric start of this sheet is a saddle of its extent.
 TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
   scene::Scene scene = sceneOf(

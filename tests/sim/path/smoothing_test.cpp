@@ -143,6 +143,22 @@ TEST(NearGaps, OfAnUnjoinedPairAreItsDistance) {
   EXPECT_TRUE(finder.find(apart, 0.05, 1e-3).empty());
 }
 
+// The reach chooses among the points of a pair, but never excludes its nearest point.
+TEST(NearGaps, OfAnOverlapAreItsDepthForAnyReach) {
+  Squares squares(2);
+  Poses closer = squares.start;
+  closer[1].position.x() -= 0.01;
+  for (const bool isPlanar : {false, true}) {
+    path::NearGapFinder finder(squares.bricks, {}, scene::ContactFilter::All, 0.05, isPlanar,
+                               squares.start);
+    for (const double reach : {0.0, 1e-3}) {
+      const std::vector<path::NearGap> found = finder.find(closer, 0, reach);
+      ASSERT_FALSE(found.empty()) << isPlanar << reach;
+      for (const path::NearGap& near : found) EXPECT_NEAR(near.gap, -0.01, 1e-14);  // 1e-16
+    }
+  }
+}
+
 // Small moves of both bricks change the least gap by its derivative: central differences.
 TEST(NearGaps, ChangeByTheirDerivatives) {
   Squares squares(2);
@@ -208,6 +224,17 @@ TEST(Smoothing, StraightensAKink) {
   }
   EXPECT_LT(gap, 1e-11);
   EXPECT_LT(turn, 5 * kDegree);
+}
+
+// Both squares rotate about their joint, which is one motion.
+TEST(Smoothing, LeavesASingleMotionAsItIs) {
+  Squares squares(2);
+  Poses end = squares.start;
+  end[1].rotation = Quaternion(Eigen::AngleAxisd(1, Vector3::UnitZ()));
+  run::SearchBudget budget;
+  run::GeometricPath found;
+  found.path = path::connect(squares.scene, {squares.start, end}, budget);
+  EXPECT_FALSE(path::smoothed(squares.scene, found, scene::ContactFilter::None, budget));
 }
 
 }  // namespace
