@@ -159,131 +159,67 @@ bool mayBeKinematic(const OptionContext& context) {
 // ------------------------------------------------------------------------------------------------
 // The table.
 
-constexpr const char* kNoGrid = "without the snapshot grid";
 constexpr const char* kGrid = "Remove --no-snapshots";
 constexpr const char* kNoFrames = "without frames of a video";
 constexpr const char* kFrames = "Remove --no-video, add --frames";
-constexpr const char* kOneRun = "with one run";
-constexpr const char* kRuns = "Give kirireel render several runs";
 constexpr const char* kSeveral = "in a figure of several runs";
-constexpr const char* kSingle = "Render the runs one by one";
-constexpr const char* kFilm = "Add --video both.mp4";
 constexpr const char* kNoElements = "without finite elements";
 constexpr const char* kElements = "Export inp or msh";
-constexpr const char* kNoDeck = "without a deck";
-constexpr const char* kDeck = "Export inp";
-constexpr const char* kNoNeck = "without necks";
-constexpr const char* kNeck = "Add --joints neck";
 constexpr const char* kNoMeasure = "without a measure to colour by";
 constexpr const char* kMeasure = "Add --colour error or another measure";
-constexpr const char* kNoPlot = "without a figure";
-constexpr const char* kPlot = "Add --plot svg";
-constexpr const char* kNoDrive = "without a drive";
-constexpr const char* kDrive = "Remove --actuation none";
 
 constexpr OptionEffect kPictureEffects[] = {
-    {"--grid", hasGrid, kNoGrid, kGrid},
-    {"--letters", hasGrid, kNoGrid, kGrid},
-    {"--arrows", hasGrid, kNoGrid, kGrid},
-    {"--column-heads", hasGrid, kNoGrid, kGrid},
-    {"--width", hasGrid, kNoGrid, kGrid},
-    {"--font-size", hasGrid, kNoGrid, kGrid},
-    {"--figure", hasGrid, kNoGrid, kGrid},
-    {"--svg", hasGrid, kNoGrid, kGrid},
-    {"--snapshots", hasGrid, kNoGrid, kGrid},
-    {"--captions", hasGridOrFrames, "without the snapshot grid and a video",
-     "Remove --no-snapshots or --no-video"},
-    {"--scale-bar", hasGridOrFrames, "without the snapshot grid and a video",
+    {"--grid,--letters,--arrows,--column-heads,--width,--font-size,--figure,--svg,--snapshots",
+     hasGrid, "without the snapshot grid", kGrid},
+    {"--captions,--scale-bar", hasGridOrFrames, "without the snapshot grid and a video",
      "Remove --no-snapshots or --no-video"},
     {"--dpi", hasPng, "without a PNG file", kGrid},
-    {"--same-view", isFigure, kOneRun, kRuns},
-    {"--same-scale", isFigure, kOneRun, kRuns},
-    {"--no-snapshots", isOneRunOrFilm, kSeveral, kFilm},
-    {"--frames-at", isOneRun, kSeveral, kSingle},
-    {"--fps", isOneRunOrFilm, kSeveral, kFilm},
-    {"--length", isOneRunOrFilm, kSeveral, kFilm},
-    {"--hold", isOneRunOrFilm, kSeveral, kFilm},
-    {"--title", isOneRunOrFilm, kSeveral, kFilm},
-    {"--subtitle", isOneRunOrFilm, kSeveral, kFilm},
-    {"--progress-bar", isOneRunOrFilm, kSeveral, kFilm},
-    {"--inset", isOneRunOrFilm, kSeveral, kFilm},
-    {"--crf", isOneRunOrFilm, kSeveral, kFilm},
-    {"--preset", isOneRunOrFilm, kSeveral, kFilm},
-    {"--encoder", isOneRunOrFilm, kSeveral, kFilm},
-    {"--video", hasVideo, "without a video", "Remove --no-video"},
-    {"--crf", hasVideo, "without a video", "Remove --no-video"},
-    {"--encoder", hasVideo, "without a video", "Remove --no-video"},
-    {"--preset", hasVideo, "without a video", "Remove --no-video"},
+    {"--same-view,--same-scale", isFigure, "with one run", "Give kirireel render several runs"},
+    {"--no-snapshots,--fps,--length,--hold,--title,--subtitle,--progress-bar,--inset,"
+     "--crf,--preset,--encoder",
+     isOneRunOrFilm, kSeveral, "Add --video both.mp4"},
+    {"--frames-at", isOneRun, kSeveral, "Render the runs one by one"},
+    {"--video,--crf,--encoder,--preset", hasVideo, "without a video", "Remove --no-video"},
     {"--preset", hasPreset, "in a video that is not H.264", "Use .mp4"},
-    {"--length", hasFrames, kNoFrames, kFrames},
-    {"--hold", hasFrames, kNoFrames, kFrames},
-    {"--title", hasFrames, kNoFrames, kFrames},
-    {"--subtitle", hasFrames, kNoFrames, kFrames},
-    {"--progress-bar", hasFrames, kNoFrames, kFrames},
+    {"--length,--hold,--title,--subtitle,--progress-bar", hasFrames, kNoFrames, kFrames},
     {"--inset", hasFramesOrMoments, kNoFrames, kFrames},
     {"--transparent", mayBeTransparent, "in a video of this format, which is opaque",
      "Use .webm, .gif, .apng, .mkv or .mov, or --frames with --no-video"},
     {"--colour-map", showsMeasureOrPage, kNoMeasure, kMeasure},
-    {"--colour-least", showsMeasure, kNoMeasure, kMeasure},
-    {"--colour-most", showsMeasure, kNoMeasure, kMeasure},
-    {"--brick-colour", showsPlainColours, "with colours that show something else",
+    {"--colour-least,--colour-most", showsMeasure, kNoMeasure, kMeasure},
+    {"--brick-colour,--back-colour", showsPlainColours, "with colours that show something else",
      "Add --colour plain"},
-    {"--back-colour", showsPlainColours, "with colours that show something else",
-     "Add --colour plain"},
-    {"--outline-colour", hasOutlines, "without outlines", "Remove --no-outlines"},
-    {"--outline-width", hasOutlines, "without outlines", "Remove --no-outlines"},
+    {"--outline-colour,--outline-width", hasOutlines, "without outlines", "Remove --no-outlines"},
     {"--distance", mayBePerspective, "in a parallel projection", "Use --projection perspective"},
-    {"Style", hasPicture, "without a picture", kGrid},
-    {"Camera", hasPicture, "without a picture", kGrid}};
+    {"Style,Camera", hasPicture, "without a picture", kGrid}};
 
 constexpr OptionEffect kExportEffects[] = {
-    {"--joints", hasElementsOrNeckSolid, kNoElements, kElements},
-    {"--neck-width", hasElementsOrNeckSolid, kNoElements, kElements},
-    {"--neck-length", hasElementsOrNeckSolid, kNoElements, kElements},
-    {"--neck-radius", hasElementsOrNeckSolid, kNoElements, kElements},
-    {"--kerf", hasElementsOrNeckSolid, kNoElements, kElements},
-    {"--elements-per-edge", hasElements, kNoElements, kElements},
-    {"--element-size", hasElements, kNoElements, kElements},
-    {"--elements-through", hasElements, kNoElements, kElements},
-    {"--linear", hasElements, kNoElements, kElements},
-    {"--patch-radius", hasElements, kNoElements, kElements},
-    {"--shells", hasElements, kNoElements, kElements},
-    {"--plane-stress", hasElements, kNoElements, kElements},
+    {"--joints,--neck-width,--neck-length,--neck-radius,--kerf", hasElementsOrNeckSolid,
+     kNoElements, kElements},
+    {"--elements-per-edge,--element-size,--elements-through,--linear,--patch-radius,--shells,"
+     "--plane-stress,--sets",
+     hasElements, kNoElements, kElements},
     {"--patch-radius", hasPatches, "without rigid patches", "Add --joints patch"},
-    {"--neck-width", hasNecks, kNoNeck, kNeck},
-    {"--neck-length", hasNecks, kNoNeck, kNeck},
-    {"--neck-radius", hasNecks, kNoNeck, kNeck},
-    {"--kerf", hasNecks, kNoNeck, kNeck},
+    {"--neck-width,--neck-length,--neck-radius,--kerf", hasNecks, "without necks",
+     "Add --joints neck"},
     {"--elements-per-edge", countsElements, "next to --element-size", "Use only one of them"},
     {"--elements-through", hasSolids, "in shells and plane elements",
      "Remove --shells or --plane-stress"},
-    {"--sets", hasElements, kNoElements, kElements},
-    {"--deck-solver", hasDeck, kNoDeck, kDeck},
-    {"--youngs", hasDeck, kNoDeck, kDeck},
-    {"--poisson", hasDeck, kNoDeck, kDeck},
-    {"--deck-density", hasDeck, kNoDeck, kDeck},
-    {"--deck-unit", hasDeck, kNoDeck, kDeck},
-    {"--drive", hasDeck, kNoDeck, kDeck},
-    {"--buckle", hasDeck, kNoDeck, kDeck},
-    {"--periodic", hasDeck, kNoDeck, kDeck},
-    {"--deck-contacts", hasDeck, kNoDeck, kDeck},
-    {"--state-map", hasDeck, kNoDeck, kDeck},
-    {"--check", hasDeck, kNoDeck, kDeck},
+    {"--deck-solver,--youngs,--poisson,--deck-density,--deck-unit,--drive,--buckle,--periodic,"
+     "--deck-contacts,--state-map,--check",
+     hasDeck, "without a deck", "Export inp"},
     {"--hinge-width", hasPattern, "without a cut pattern", "Export svg or dxf"},
     {"--states", hasStates, "without files of states", "Export another format than svg, dxf, glb"}};
 
 constexpr OptionEffect kCurvesEffects[] = {
-    {"--curves", hasPlot, kNoPlot, kPlot},
-    {"--column", hasPlot, kNoPlot, kPlot},
-    {"--against", hasPlot, kNoPlot, kPlot},
-    {"--width", hasPlot, kNoPlot, kPlot},
-    {"--font-size", hasPlot, kNoPlot, kPlot},
+    {"--curves,--column,--against,--width,--font-size", hasPlot, "without a figure",
+     "Add --plot svg"},
     {"--dpi", hasPngPlot, "without a PNG figure", "Add --plot png"}};
 
 constexpr OptionEffect kSceneEffects[] = {
     {"--brick-friction", mayTouch, "without contacts", "Remove --contacts none"},
     {"--load-steps", hasGrips, "without [[grip]] in the scene file", "Add a grip"},
-    {"Springs to the target", mayHaveDrive, kNoDrive, kDrive},
+    {"Springs to the target", mayHaveDrive, "without a drive", "Remove --actuation none"},
     {"--walk-time", mayBeKinematic, "with dynamics", "Use --path continuation"}};
 
 }  // namespace
@@ -296,7 +232,10 @@ const std::vector<OptionEffect>& optionEffects() {
           std::span<const OptionEffect>(kExportEffects),
           std::span<const OptionEffect>(kCurvesEffects),
           std::span<const OptionEffect>(kSceneEffects)}) {
-      all.insert(all.end(), part.begin(), part.end());
+      for (const OptionEffect& row : part) {
+        for (const std::string_view option : scene::split(row.option, ','))
+          all.push_back({option, row.holds, row.reason, row.remedy});
+      }
     }
     return all;
   }();
@@ -346,7 +285,7 @@ bool isApplicable(const OptionEffect& effect, const OptionContext& context) {
 
 /// The options with this condition: one, or all of a group.
 std::vector<const CLI::Option*> optionsOf(const OptionEffect& effect, const CLI::App& command) {
-  const std::string name = effect.option;
+  const std::string name(effect.option);
   if (name.starts_with("--")) {
     const CLI::Option* option = command.get_option_no_throw(name);
     if (option) return {option};

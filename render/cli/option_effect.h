@@ -6,6 +6,7 @@
 
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/record/curves.h"
@@ -31,7 +32,9 @@ struct OptionContext {
 
 /// Condition for an effect of an option.
 struct OptionEffect {
-  const char* option;  ///< its long name; or the heading of a group of options in the help
+  /// Its long name, or the heading of a group of options in the help. In the table one or more,
+  /// separated by commas.
+  std::string_view option;
   bool (*holds)(const OptionContext&);  ///< whether it has an effect
   const char* reason;                   ///< why not, such as "without a video"
   const char* remedy;                   ///< advice, such as "Remove --no-video"

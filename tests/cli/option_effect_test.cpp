@@ -177,7 +177,7 @@ TEST(OptionEffects, AreEachRefusedWithTheirReason) {
   const std::multimap<std::string, Case> all = cases();
   for (const cli::OptionEffect& effect : cli::optionEffects()) {
     SCOPED_TRACE(std::string(effect.option) + " " + effect.reason);
-    const auto [first, last] = all.equal_range(effect.option);
+    const auto [first, last] = all.equal_range(std::string(effect.option));
     const std::string expected =
         fmt::format(" has no effect {}. {} or remove ", effect.reason, effect.remedy);
     EXPECT_TRUE(std::any_of(first, last, [&](const auto& entry) {
