@@ -139,6 +139,14 @@ void OptionGroup::number(const std::string& name, double& target, scene::Range r
       .serializedAs([&target] { return scene::numberText(target); });
 }
 
+void OptionGroup::number(const std::string& name, std::optional<double>& target, scene::Range range,
+                         const std::string& unit, const std::string& defaultText,
+                         const std::string& help) {
+  value(name, unit, defaultText, help, [&target, range](const scene::TypedValue& typed) {
+    target = scene::parseNumber(typed, range);
+  }).serializedAs([&target] { return target ? scene::numberText(*target) : ""; });
+}
+
 void OptionGroup::printLength(const std::string& name, double& target, const std::string& unit,
                               scene::Range range, const std::string& help) {
   std::string capitals = unit;

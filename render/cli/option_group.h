@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -174,7 +175,11 @@ class OptionGroup {
   void number(const std::string& name, double& target, scene::Range range, const std::string& unit,
               const std::string& help);
 
-  /// The same for a length in print, with or without its unit ("mm" or "pt"): 180 or 180mm.
+  /// A number that may be absent, and is then as `defaultText` says.
+  void number(const std::string& name, std::optional<double>& target, scene::Range range,
+              const std::string& unit, const std::string& defaultText, const std::string& help);
+
+  /// A number for a length in print, with or without its unit ("mm" or "pt"): 180 or 180mm.
   void printLength(const std::string& name, double& target, const std::string& unit,
                    scene::Range range, const std::string& help);
 

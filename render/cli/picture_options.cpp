@@ -94,13 +94,8 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
              "of several runs one per row",
              [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
       .serializedAs([&] { return lettersText(settings.letters); });
-  group
-      .value("--dpi", "COUNT", "not stored", "dots per inch stored in PNG files, for print",
-             [&](const scene::TypedValue& typed) {
-               settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
-             })
-      .serializedAs(
-          [&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
+  group.number("--dpi", settings.dotsPerInch, {1, 100000}, "COUNT", "not stored",
+               "dots per inch stored in PNG files, for print");
 }
 
 void addRowOptions(OptionGroup& group, record::PictureSettings& settings) {
@@ -214,23 +209,11 @@ void addScaleOptions(OptionGroup& group, picture::Appearance& appearance) {
                                     {"cividis", picture::ColourMap::Cividis},
                                     {"coolwarm", picture::ColourMap::CoolWarm}},
                                    "scale of colours for a measure, coolwarm is diverging");
-  group
-      .value("--colour-least", "VALUE", "0", "value at the first end of the scale",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.colourLeast = scene::parseNumber(typed, {-1e12, 1e12});
-             })
-      .serializedAs([&appearance] {
-        return appearance.colourLeast ? scene::numberText(*appearance.colourLeast) : "";
-      });
-  group
-      .value("--colour-most", "VALUE", "the largest of the run",
-             "value at the other end of the scale, in the unit of the measure",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.colourMost = scene::parseNumber(typed, {1e-15, 1e12});
-             })
-      .serializedAs([&appearance] {
-        return appearance.colourMost ? scene::numberText(*appearance.colourMost) : "";
-      });
+  group.number("--colour-least", appearance.colourLeast, {-1e12, 1e12}, "VALUE", "0",
+               "value at the first end of the scale");
+  group.number("--colour-most", appearance.colourMost, {1e-15, 1e12}, "VALUE",
+               "the largest of the run",
+               "value at the other end of the scale, in the unit of the measure");
 }
 
 /// Colours are names of CSS or six hexadecimal digits.
@@ -353,16 +336,10 @@ void addDrawingOptions(CLI::App& command, picture::Appearance& appearance) {
       .serializedAs([&appearance] {
         return appearance.depthCue > 0 ? scene::numberText(appearance.depthCue) : "";
       });
-  group
-      .value("--occlusion", "SHARE", "0.6",
-             "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "
-             "values",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.occlusion = scene::parseNumber(typed, {0, 1});
-             })
-      .serializedAs([&appearance] {
-        return appearance.occlusion ? scene::numberText(*appearance.occlusion) : "";
-      });
+  group.number(
+      "--occlusion", appearance.occlusion, {0, 1}, "SHARE", "0.6",
+      "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "
+      "values");
 }
 
 /// One of the words, or "45,30", or "45,30,10".
@@ -438,13 +415,8 @@ void addCameraOptions(CLI::App& command, picture::Appearance& appearance) {
   group.number("--zoom", camera.zoom, {1e-3, 1e3}, "FACTOR", "enlarges the middle");
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
                "fraction of the picture left free on each side");
-  group
-      .value("--distance", "LENGTH", "fitted", "distance of the eye, in perspective",
-             [&camera](const scene::TypedValue& typed) {
-               camera.distance = scene::parseNumber(typed, {1e-9, 1e12});
-             })
-      .serializedAs(
-          [&camera] { return camera.distance ? scene::numberText(*camera.distance) : ""; });
+  group.number("--distance", camera.distance, {1e-9, 1e12}, "LENGTH", "fitted",
+               "distance of the eye, in perspective");
   group.choice<picture::FitScope>("--fit", appearance.fit,
                                   {{"auto", picture::FitScope::Auto},
                                    {"run", picture::FitScope::Run},

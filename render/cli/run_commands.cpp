@@ -231,16 +231,9 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGrou
   group.flag("--periodic",
              "a further job on a sheet that repeats: opposite ends tied to control nodes",
              [&decks] { decks.periodic = true; });
-  group
-      .value("--deck-contacts", "FRICTION", "",
-             "contact between flanks next to joints, with this coefficient of friction (0: none)",
-             [&decks](const scene::TypedValue& typed) {
-               decks.contactFriction = scene::parseNumber(typed, {0, 10});
-             })
-      // Absent contact is no contact; a coefficient of 0 is contact without friction.
-      .serializedAs([&decks] {
-        return decks.contactFriction ? scene::numberText(*decks.contactFriction) : std::string();
-      });
+  group.number(
+      "--deck-contacts", decks.contactFriction, {0, 10}, "FRICTION", "",
+      "contact between flanks next to joints, with this coefficient of friction (0: none)");
   group.flag("--state-map",
              "jobs that move the first state's mesh to the other states, without stress",
              [&decks] { decks.stateMap = true; });

@@ -340,14 +340,9 @@ void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool ha
              })
       .serializedAs(
           [&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
-  group
-      .value(
-          "--fold", "FRACTION", "1",
-          "fold of M and V edges of a FOLD file that have no angle, as a fraction of 180 degrees",
-          [&settings](const scene::TypedValue& typed) {
-            settings.fold = scene::parseNumber(typed, scene::Range{1e-3, 1});
-          })
-      .serializedAs([&settings] { return settings.fold ? fmt::format("{}", *settings.fold) : ""; });
+  group.number(
+      "--fold", settings.fold, {1e-3, 1}, "FRACTION", "1",
+      "fold of M and V edges of a FOLD file that have no angle, as a fraction of 180 degrees");
   group.flag("--join-coplanar", settings.joinCoplanar,
              "join faces of an OBJ or PLY mesh that share an edge and lie in one plane");
   group
