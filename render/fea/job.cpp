@@ -114,22 +114,21 @@ std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
 void appendGripForces(std::string& text, const ElementMesh& mesh,
                       const std::vector<GripLoad>& grips, double sign) {
   constexpr double kRounding = 1e-9;
+  // The first grip is the MIN end.
+  const auto sideOf = [&](const GripLoad& grip) { return &grip == &grips.front() ? -1.0 : 1.0; };
   Vector3 along = Vector3::Zero();
   for (const GripLoad& grip : grips) {
-    along = -along;
-    for (const NodeShare& share : grip.shares) along += share.share * mesh.nodes[share.node];
+    for (const auto& [node, share] : grip.shares) along += sideOf(grip) * share * mesh.nodes[node];
   }
   along.normalize();
   along = (along.array().abs() < kRounding).select(0, along);
   text += "*CLOAD\n";
   for (const GripLoad& grip : grips) {
-    // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
-    sign = -sign;
-    for (const NodeShare& share : grip.shares) {
+    for (const auto& [node, share] : grip.shares) {
       for (int axis = 0; axis < 3; ++axis) {
-        const double force = sign * share.share * along[axis];
+        const double force = sign * sideOf(grip) * share * along[axis];
         if (force == 0) continue;
-        appendText(text, "{}, {}, {}\n", share.node + 1, axis + 1, deckNumber(force));
+        appendText(text, "{}, {}, {}\n", node + 1, axis + 1, deckNumber(force));
       }
     }
   }

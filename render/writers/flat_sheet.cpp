@@ -542,7 +542,7 @@ class OutlineMaker {
     if (first.isCut || second.isCut) {
       throw InputError(
           fmt::format("error: joint {} shares a corner with another one, so necks with a length or "
-                      "a kerf would cross; remove --neck-length and --kerf",
+                      "a kerf would cross; give --neck-length 0 and --kerf 0",
                       numberOf(joint)));
     }
     const double half = gap.angle / 2;

@@ -172,6 +172,23 @@ TEST(NeckOutlines, HaveTheNecksOfTheModel) {
   }
 }
 
+TEST(NeckOutlines, SharedCornersNeedShutSlits) {
+  // Three of four squares round a corner that joins them all, with slots in the model.
+  const auto square = [](double x, double y) {
+    return model::Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
+  };
+  model::Model model;
+  model.tiles = {square(0, 0), square(-1, 0), square(-1, -1)};
+  model.joints = {{{0, 0}, {1, 1}, model::JointFace::Both},
+                  {{1, 1}, {2, 2}, model::JointFace::Both}};
+  for (model::Joint& joint : model.joints) joint.neck = {0.1, 0.02, 0.02};
+  const auto refusal = [&](const writers::NeckShape& shape) {
+    return test::refusalOf([&] { writers::neckOutline(model, shape); });
+  };
+  EXPECT_THAT(refusal({}), testing::HasSubstr("would cross; give --neck-length 0 and --kerf 0"));
+  EXPECT_EQ(refusal({.length = 0, .kerf = 0}), "accepted");
+}
+
 TEST(CutPattern, ClosesOpenGapsWithALine) {
   // Opened by theta, each joint's gap ends where its chord is the width away from the joint.
   const double theta = 0.4;
