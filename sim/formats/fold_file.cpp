@@ -28,6 +28,7 @@
 // The library throws if types do not fit. Every access below is checked first, so messages can name
 // faces and edges.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -47,12 +48,12 @@
 #include "sim/base/files.h"
 #include "sim/formats/faces.h"
 #include "sim/formats/joint_checks.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_settings.h"
 #include "sim/formats/shared_corners.h"
+#include "sim/formats/text_table.h"
 #include "sim/formats/tile_checks.h"
 #include "sim/formats/written_digits.h"
-#include "sim/formats/model_formats.h"
-#include "sim/formats/text_table.h"
 #include "sim/model/sheet_frame.h"
 
 namespace kirireel::formats {
@@ -66,6 +67,10 @@ constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kNecks = "kirireel:necks";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 constexpr const char* kTargets = "kirireel:targets";
+
+// Of the file, and of the frame that is read.
+constexpr std::array kTexts = {"file_title", "file_author", "file_description", "frame_title",
+                               "frame_description"};
 
 using FoldAngles = std::vector<std::optional<double>>;  // of all edges, degrees
 
@@ -193,6 +198,11 @@ class FoldReader {
     }
     addFaces(drawing);
     drawing.isFolded = isFoldedForm();
+    for (const char* key : kTexts) {
+      const Json* text =
+          own(std::string_view(key).starts_with("file_") ? whole_ : *frames_[frame_], key);
+      if (text != nullptr && text->is_string()) drawing.texts[key] = text->get<std::string>();
+    }
     return drawing;
   }
 
@@ -274,6 +284,17 @@ class FoldReader {
     return pulled;
   }
 
+  /// Whether a key is read, follows from others, or is reported with its name.
+  static bool isOfFold(const std::string& key) {
+    static const std::set<std::string> kKeys = {
+        kPlaces,          "vertices_vertices", "vertices_edges", "vertices_faces",
+        "edges_vertices", "edges_faces",       "edges_length",   "edges_assignment",
+        kAngles,          kOldAngles,          "faces_vertices", "faces_edges",
+        "faces_faces",    "faceOrders",        "edgeOrders"};
+    const bool isOwn = key.starts_with("kirireel:") || key.starts_with("file_");
+    return isOwn || key.starts_with("frame_") || kKeys.contains(key);
+  }
+
   /// Appends one line about frames and one about keys that are not read.
   void warnOfIgnored(const ReadSettings& settings, std::vector<std::string>& warnings) const {
     const int count = static_cast<int>(frames_.size());
@@ -315,7 +336,7 @@ class FoldReader {
     }
     int foreign = 0;
     for (const auto& [key, value] : frames_[static_cast<std::size_t>(frame_)]->items()) {
-      foreign += key.find(':') != key.npos && !key.starts_with("kirireel:");
+      foreign += !isOfFold(key);
     }
     if (foreign > 0) ignored.push_back(fmt::format("{} keys of other programs", foreign));
     if (ignored.empty()) return;
@@ -656,25 +677,41 @@ void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>
   drawing.tileOf = std::move(pieces.tileOf);
 }
 
-/// Warns of the number of edges without a face. They contain no information about tiles.
-void warnOfLooseEdges(const model::FoldSheet& drawing, const fs::path& file,
-                      std::vector<std::string>& warnings) {
-  std::set<std::pair<int, int>> sides;
+/// Warns of edges without a face, of folds at the border, and of letters that contradict angles.
+void warnOfEdges(const model::FoldSheet& drawing, const fs::path& file,
+                 std::vector<std::string>& warnings) {
+  std::map<std::pair<int, int>, int> facesAt;
   for (const std::vector<int>& face : drawing.faces) {
     for (std::size_t k = 0; k < face.size(); ++k) {
-      sides.insert(std::minmax(face[k], face[(k + 1) % face.size()]));
+      ++facesAt[std::minmax(face[k], face[(k + 1) % face.size()])];
     }
   }
-  const auto isLoose = [&](const model::Crease& crease) {
-    return !sides.contains(std::minmax(crease.from, crease.to));
+  const auto facesOf = [&](const model::Crease& crease) {
+    const auto found = facesAt.find(std::minmax(crease.from, crease.to));
+    return found == facesAt.end() ? 0 : found->second;
   };
-  const auto count = std::ranges::count_if(drawing.creases, isLoose);
-  if (count == 0) return;
-  const auto first = std::ranges::find_if(drawing.creases, isLoose) - drawing.creases.begin();
-  warnings.push_back(
-      fmt::format("{}: warning: {} edges are sides of no face and are not read, edge {} is the "
-                  "first; split the faces there, or delete the edges",
-                  file.string(), count, first));
+  const auto warn = [&](const auto& isOne, const std::string& fault, const std::string& remedy) {
+    const auto count = std::ranges::count_if(drawing.creases, isOne);
+    if (count == 0) return;
+    const auto first = std::ranges::find_if(drawing.creases, isOne) - drawing.creases.begin();
+    warnings.push_back(fmt::format("{}: warning: {} edges {}, edge {} is the first; {}",
+                                   file.string(), count, fault, first, remedy));
+  };
+  warn([&](const model::Crease& crease) { return facesOf(crease) == 0; },
+       "are sides of no face and are not read", "split the faces there, or delete the edges");
+  const auto isFold = [](const model::Crease& crease) {
+    return crease.assignment == 'M' || crease.assignment == 'V';
+  };
+  warn([&](const model::Crease& crease) { return isFold(crease) && facesOf(crease) == 1; },
+       "are folds (M or V) with a face on one side only and do not fold",
+       "draw the border of the sheet (B) around them");
+  warn(
+      [&](const model::Crease& crease) {
+        const double angle = crease.foldAngle.value_or(0);
+        return isFold(crease) && (crease.assignment == 'M' ? angle > 0 : angle < 0);
+      },
+      "have a letter (M or V) against the sign of their angle, which decides",
+      "a mountain has an angle < 0, a valley > 0");
 }
 
 /// Replaces a pivot as read by a joint of another kind.
@@ -1241,7 +1278,7 @@ model::Model readFold(const fs::path& file, const ReadSettings& settings,
   }
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
-  warnOfLooseEdges(drawing, file, warnings);
+  warnOfEdges(drawing, file, warnings);
   const CornerNumbers& outlines = drawing.outlines;
   const TileTable start = tableOf(file, outlines, states.front());
   checkTiles(start);
@@ -1291,6 +1328,7 @@ std::string foldText(const model::Model& inOrder, const std::vector<FoldState>& 
   json["file_creator"] = "Kirireel";
   json["file_classes"] = {frames.empty() ? "singleModel" : "animation"};
   json["frame_title"] = samples.empty() ? "start" : samples.front().title;
+  for (const auto& [key, text] : sheet.texts) json[key] = text;
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
   json["frame_unit"] = model.unit.name;
   json[kPlaces] = coordinatesOf(model.tiles, sheet);

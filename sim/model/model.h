@@ -141,6 +141,7 @@ struct FoldSheet {
   std::vector<std::vector<int>> faces;     ///< vertex numbers around each face
   std::vector<int> tileOf;                 ///< tile of each face
   std::vector<std::vector<int>> outlines;  ///< vertex numbers around each tile, in the file's order
+  std::map<std::string, std::string> texts;  ///< titles, author and descriptions, by their key
 };
 
 /// A kirigami sheet: its tiles in the compact state, its joints and its target.

@@ -664,12 +664,14 @@ TEST(FoldFile, TakesFacesAndEdgesInOtherWords) {
 }
 
 TEST(FoldFile, CountsWhatIsNotRead) {
-  const json file = edited(
-      twoSquares(),
-      {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}, {"faceOrders", {{0, 1, 1}}}, {"other:key", 3}});
+  const json file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}},
+                                          {"faceOrders", {{0, 1, 1}}},
+                                          {"other:key", 3},
+                                          {"faces_colors", {1, 2}},
+                                          {"edges_length", {1, 1, 1, 1, 1, 1, 1}}});
   EXPECT_EQ(
       readText(file.dump()).said,
-      "@/a.fold: warning: faceOrders (1 entries), 1 keys of other programs are not read; tiles "
+      "@/a.fold: warning: faceOrders (1 entries), 2 keys of other programs are not read; tiles "
       "have no order of layers");
 }
 
@@ -689,6 +691,38 @@ TEST(FoldFile, CountsEdgesOfNoFace) {
   }
   file["faces_vertices"] = json::parse("[[0,1,2],[0,2,3]]");
   EXPECT_EQ(readText(file.dump()).said, "");
+}
+
+TEST(FoldFile, CountsFoldsAtTheBorderAndLettersAgainstAngles) {
+  json file = twoSquares();
+  file["edges_assignment"][4] = "M";
+  file["edges_foldAngle"] = {0, -90, 0, 0, 0, 0, 0};
+  const std::string said = readText(file.dump()).said;
+  EXPECT_THAT(
+      said, testing::HasSubstr("@/a.fold: warning: 1 edges are folds (M or V) with a face on one "
+                               "side only and do not fold, edge 4 is the first; draw the border of "
+                               "the sheet (B) around them"));
+  EXPECT_THAT(
+      said, testing::HasSubstr("@/a.fold: warning: 1 edges have a letter (M or V) against the sign "
+                               "of their angle, which decides, edge 1 is the first; a mountain has "
+                               "an angle < 0, a valley > 0"));
+  file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
+  EXPECT_EQ(readText(file.dump()).said, "");
+}
+
+TEST(FoldFile, KeepsTitlesAuthorAndDescriptions) {
+  const json texts = {{"file_title", "Miura"},
+                      {"file_author", "A. B."},
+                      {"file_description", "two\nlines"},
+                      {"frame_title", "flat"},
+                      {"frame_description", "\u00fc"}};
+  const TemporaryFolder folder;
+  folder.write("a.fold", edited(twoSquares(), texts).dump());
+  std::vector<std::string> warnings;
+  formats::writeModel(formats::readModel(folder.path() / "a.fold", {}, warnings),
+                      folder.path() / "b.fold");
+  const json written = json::parse(readTextFile(folder.path() / "b.fold", ""));
+  for (const auto& [key, text] : texts.items()) EXPECT_EQ(written.value(key, json()), text) << key;
 }
 
 TEST(FoldFile, KeepsVerticesEdgesLettersAndAngles) {

@@ -486,7 +486,7 @@ TEST(FormatErrors, FoldNestedWithoutEnd) {
   EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed), message);
   EXPECT_EQ(messageForFold(open + closed), message);
   const std::string fewOpen(40, '['), fewClosed(40, ']');
-  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + fewOpen + fewClosed), "");
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_x\": " + fewOpen + fewClosed), "");
 }
 
 TEST(FormatErrors, JsonWithTextThatIsLong) {
