@@ -882,12 +882,6 @@ std::size_t nearestSample(const std::vector<double>& times, double time) {
 }
 
 /// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.
-std::size_t sampleAtShare(const std::vector<double>& times, double percent,
-                          const std::string& name) {
-  if (percent < 0 || percent > 100) throw unknownState(name, "shares go from 0% to 100%");
-  return nearestSample(times, percent / 100 * times.back());
-}
-
 /// Sampling can end a fraction of an interval before the end time of the run.
 std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
   // Times up to half a sample after the end count as the end.
@@ -954,7 +948,12 @@ StateName readName(const std::string& name) {
                                      {"deg", StateName::Angle},
                                      {"s", StateName::Time},
                                      {"", StateName::Time}}) {
-    if (const auto number = numberBefore(name, ending)) return {kind, *number};
+    const auto number = numberBefore(name, ending);
+    if (!number) continue;
+    if (kind == StateName::Share && !(*number >= 0 && *number <= 100)) {
+      throw unknownState(name, "shares go from 0% to 100%");
+    }
+    return {kind, *number};
   }
   throw InputError(
       fmt::format("error: '{}' is not a state; use initial, final, all, a share (25%), a time (1.5 "
@@ -974,7 +973,7 @@ std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryRea
     case StateName::All:
       return {0, times.size() - 1};
     case StateName::Share:
-      return one(sampleAtShare(times, read.number, name));
+      return one(nearestSample(times, read.number / 100 * times.back()));
     case StateName::Time:
       return one(sampleAtTime(times, read.number, name));
     case StateName::Angle:

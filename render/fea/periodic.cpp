@@ -592,12 +592,12 @@ class LatticeFinder {
     for (const auto& [joint, cell] : sheet.joints) {
       links.push_back(centres_[joint.b.tile] + cell[0] * p + cell[1] * q - centres_[joint.a.tile]);
     }
-    struct Axis {
+    struct CellAxis {
       Vector3 x;
       double own = 0;    ///< links along x
       double cross = 0;  ///< links along x and y
     };
-    std::vector<Axis> axes;
+    std::vector<CellAxis> axes;
     for (const int i : {1, 0, -1, 2, -2}) {
       for (const int j : {0, 1, 2}) {
         if (i == 0 && j == 0) continue;
@@ -611,20 +611,20 @@ class LatticeFinder {
         for (const int k : {0, 1}) axes.push_back({k == 0 ? x : y, sums[k], sums[0] + sums[1]});
       }
     }
-    const auto keepLargest = [&](double Axis::*value) {
+    const auto keepLargest = [&](double CellAxis::*value) {
       const double least = (1 - kSameLinks) * std::ranges::max(axes, {}, value).*value;
-      std::erase_if(axes, [&](const Axis& one) { return one.*value < least; });
+      std::erase_if(axes, [&](const CellAxis& one) { return one.*value < least; });
     };
-    keepLargest(&Axis::cross);
-    const bool isOneCross = std::ranges::all_of(axes, [&](const Axis& one) {
+    keepLargest(&CellAxis::cross);
+    const bool isOneCross = std::ranges::all_of(axes, [&](const CellAxis& one) {
       const double cosine = std::abs(one.x.dot(axes[0].x));
       return std::min(cosine, 1 - cosine) < kSameLinks;
     });
-    if (!isOneCross) keepLargest(&Axis::own);
+    if (!isOneCross) keepLargest(&CellAxis::own);
     const Vector3 worldX = model::frameAlong(normal, Vector3::Zero()).x;
     double best = 0;
     Vector3 along = Vector3::Zero();
-    for (const Axis& one : axes) {
+    for (const CellAxis& one : axes) {
       const double cosine = one.x.dot(worldX);
       if (std::abs(cosine) <= best + 1e-9) continue;
       best = std::abs(cosine);

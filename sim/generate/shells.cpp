@@ -67,13 +67,6 @@ Vector3 onBand(const BandShape& shape, double around, double across) {
   return {radius * std::cos(turn), radius * std::sin(turn), across * std::sin(twist)};
 }
 
-/// A surface that the nodes of a state should lie on: a function that is zero there, and its
-/// gradient.
-struct SurfacePoint {
-  double value = 0;
-  Vector3 gradient;
-};
-
 /// The sphere's cap and the saddle at the fraction f of their curvature.
 class SaddleDesign {
  public:

@@ -82,7 +82,7 @@ NearGapFinder::NearGapFinder(const std::vector<brick::Brick>& bricks,
     }
   }
   ++state_;
-  for (BrickPair& ofBricks : pairs_) {
+  for (NearBrickPair& ofBricks : pairs_) {
     for (PiecePair& pair : ofBricks.pieces) {
       pair.kept = std::max(0.0, -separate(pair, 0, start));
     }
@@ -95,7 +95,7 @@ std::vector<std::size_t> NearGapFinder::addPieces(const std::vector<brick::Brick
   std::vector<std::size_t> added;
   for (const brick::BrickPiece& shape : pieces) {
     added.push_back(pieces_.size());
-    Piece& piece = pieces_.emplace_back();
+    PlacedPiece& piece = pieces_.emplace_back();
     piece.brick = brick;
     piece.outline = contacts::makeOutline(
         length > 0 ? brick::withoutCorners(shape, withoutCorners, length) : shape.shape, planar_);
@@ -109,7 +109,7 @@ std::vector<std::size_t> NearGapFinder::addPieces(const std::vector<brick::Brick
 
 void NearGapFinder::addPair(int a, int b, const std::vector<std::size_t>& piecesA,
                             const std::vector<std::size_t>& piecesB) {
-  BrickPair& added = pairs_.emplace_back(BrickPair{a, b, {}});
+  NearBrickPair& added = pairs_.emplace_back(NearBrickPair{a, b, {}});
   for (const std::size_t ofA : piecesA) {
     for (const std::size_t ofB : piecesB) {
       PiecePair& pair = added.pieces.emplace_back(PiecePair{ofA, ofB});
@@ -125,7 +125,7 @@ void NearGapFinder::addPair(int a, int b, const std::vector<std::size_t>& pieces
 
 /// The outline of a piece in the current state.
 const PlacedOutline& NearGapFinder::place(std::size_t piece, const Poses& poses) {
-  Piece& found = pieces_[piece];
+  PlacedPiece& found = pieces_[piece];
   if (found.state != state_) {
     contacts::placeOutline(found.outline, poses[found.brick], found.placed);
     found.state = state_;
@@ -136,7 +136,7 @@ const PlacedOutline& NearGapFinder::place(std::size_t piece, const Poses& poses)
 /// The largest separation of a pair, metres. Stores its plane in `known`, the first of equally good
 /// planes. Stops at a lower bound that reaches the margin.
 double NearGapFinder::separate(PiecePair& pair, double margin, const Poses& poses) {
-  const Piece &a = pieces_[pair.a], &b = pieces_[pair.b];
+  const PlacedPiece &a = pieces_[pair.a], &b = pieces_[pair.b];
   const double apart = (poses[a.brick].apply(a.centre) - poses[b.brick].apply(b.centre)).norm() -
                        a.radius - b.radius;
   if (apart >= margin) return apart;

@@ -40,7 +40,7 @@ class NearGapFinder {
 
  private:
   /// A convex piece of a brick, perhaps without corners.
-  struct Piece {
+  struct PlacedPiece {
     int brick = 0;
     contacts::Outline outline;
     Vector3 centre;                  // brick axes
@@ -54,7 +54,7 @@ class NearGapFinder {
     double kept = 0;        // overlap at the start, metres
     std::size_t known = 0;  // plane that separated the pair at the last check
   };
-  struct BrickPair {
+  struct NearBrickPair {
     int a = 0, b = 0;
     std::vector<PiecePair> pieces;
   };
@@ -69,10 +69,10 @@ class NearGapFinder {
               std::vector<NearGap>& gaps) const;
 
   bool planar_;
-  std::vector<double> radii_;  // of the bricks, metres
-  std::deque<Piece> pieces_;   // placed outlines keep their address
+  std::vector<double> radii_;       // of the bricks, metres
+  std::deque<PlacedPiece> pieces_;  // placed outlines keep their address
   std::map<std::array<std::size_t, 4>, std::vector<contacts::SeparatingPlane>> planeLists_;
-  std::vector<BrickPair> pairs_;
+  std::vector<NearBrickPair> pairs_;
   long state_ = 0;  // number of states so far
 };
 
