@@ -602,7 +602,7 @@ class Smoothing {
     const double energy = energyOf(tried);
     const double allowed = std::max(
         {kMostOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
-    const bool isBetter = (energy < energy_ && overlap < allowed) ||
+    const bool isBetter = (energy < energy_ && overlap <= allowed) ||
                           (overlap < 0.7 * overlap_ && overlap_ > kMostOverlap * tile_);
     if (!isBetter) return false;
     states_ = std::move(tried);

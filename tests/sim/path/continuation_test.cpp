@@ -434,6 +434,16 @@ TEST(Continuation, FollowsAGuidedRunWhereBricksJam) {
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);
 }
 
+/// Bricks overlap at this target, which no path can change. The path is smoothed nevertheless.
+TEST(Continuation, SmoothsAPathToABlockedTarget) {
+  const scene::Scene scene = sceneOf(generate::generateModel(
+      generate::familyNamed("sphere-to-saddle"), {{"half-columns", 3}, {"half-rows", 3}}));
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+  ASSERT_FALSE(run.candidates.empty());
+  EXPECT_GT(run.candidates.back().overlapGrowthAtEnd, 1e-4 * model::tileSize(scene.model));
+  EXPECT_LE(run.candidates.back().stepChange, 0.3);  // measured: 0.12; found 2.4
+}
+
 /// The symmetric start of this sheet is a saddle of its extent.
 TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
   scene::Scene scene = sceneOf(
