@@ -175,8 +175,17 @@ class CutPatternReader {
     return isOne;
   }
 
+  /// The coordinates of a line, equal in both directions.
+  static std::vector<std::pair<double, double>> undirected(const DrawnPath& path) {
+    std::vector<std::pair<double, double>> points, reversed;
+    for (const Vector2& point : path.points) points.emplace_back(point.x(), point.y());
+    reversed.assign(points.rbegin(), points.rend());
+    return std::min(points, reversed);
+  }
+
   void collectGroups() {
     std::set<std::string> used;
+    std::set<std::pair<std::ptrdiff_t, std::vector<std::pair<double, double>>>> drawn;  // by group
     for (const DrawnPath& path : drawing_.paths) {
       const bool isIgnored = isNamed(path, settings_.ignore, &used);
       const bool isCut = settings_.cut.empty() || isNamed(path, settings_.cut, &used);
@@ -192,7 +201,11 @@ class CutPatternReader {
         groups_.push_back({path.colour, path.layer, path.isDashed, {}, "cut"});
         group = groups_.end() - 1;
       }
-      group->paths.push_back(&path);
+      if (drawn.insert({group - groups_.begin(), undirected(path)}).second) {
+        group->paths.push_back(&path);
+      } else {
+        ++repeated_;
+      }
     }
     for (const auto* words : {&settings_.cut, &settings_.ignore}) {
       for (const std::string& word : *words) {
@@ -759,6 +772,7 @@ class CutPatternReader {
                           (drawing_.flattening + tolerance_) * 1e3);
     std::map<std::string, int> leftOut = reading.leftOut;
     for (const auto& [what, count] : drawing_.ignored) leftOut[what] += count;
+    if (repeated_ > 0) leftOut["line that is drawn twice"] += repeated_;
     if (!notChosen_.empty()) {
       leftOut["line that was not chosen"] += static_cast<int>(notChosen_.size());
     }
@@ -779,6 +793,7 @@ class CutPatternReader {
   std::vector<LineGroup> groups_;
   std::vector<DrawnPath> notChosen_;
   std::deque<DrawnPath> middles_;  // of parallel lines; their addresses are in groups_
+  int repeated_ = 0;               // lines of a group that are there twice, dropped
   double joinedApart_ = 0;         // distance of parallel lines that became one, metres
 };
 

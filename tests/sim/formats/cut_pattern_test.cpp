@@ -645,6 +645,15 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
 }
 
 // A second copy of all slits, off by 5e-6 of the drawing's size at most, with all digits.
+TEST(CutPatterns, LinesThatAreDrawnTwiceCountOnce) {
+  const SlitGrid grid(4, [] { return 1.2; });
+  std::string text = closedPath(grid.outline());
+  for (const Line& slit : grid.slits) text += closedPath(stadium(slit, 0.3, 8));
+  const Reading reading = read("a.svg", page(text + text));
+  expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-6);
+  EXPECT_THAT(reading.note, HasSubstr("25 x line that is drawn twice"));
+}
+
 TEST(CutPatterns, ReadsLinesThatAreDrawnTwiceNotQuiteAlike) {
   const SlitGrid grid(4, [] { return 1.5; });
   std::mt19937 random(7);
