@@ -149,9 +149,9 @@ class SheetMaker {
     });
     if (!crosses) return;
     throw faultAt({lines.at(node)},
-                  fmt::format("a cut crosses a line at {} and ends {:.4g} mm beyond it. End it at "
+                  fmt::format("a cut crosses a line at {} and ends {} beyond it. End it at "
                               "the line, or before the line to keep a neck",
-                              drawing_.place(lines.at(node)), length * 1e3));
+                              drawing_.place(lines.at(node)), drawing_.length(length)));
   }
 
   /// Removes short pieces of cuts beyond the border of their sheet.
@@ -199,6 +199,9 @@ class SheetMaker {
   /// The extension of an open outline's end has the outside of the sheet on one side.
   void requireNoGap() const {
     const Arrangement whole = extended(cuts_.lines, rays_, tolerance_);
+    // The outline leaves a wider gap than the cuts, whose ends may also have the outside next to
+    // them.
+    const CutRay* widest = nullptr;
     for (const CutRay& ray : rays_) {
       if (ray.stop == kNever) continue;
       bool hasTile = false, hasOutside = false;
@@ -208,14 +211,15 @@ class SheetMaker {
           (whole.areaOf(whole.cycleOf(side)) > 0 ? hasTile : hasOutside) = true;
         }
       }
-      if (hasTile && hasOutside) throw openOutline(ray.from, ray.hit, "");
+      if (hasTile && hasOutside && (!widest || ray.hit > widest->hit)) widest = &ray;
     }
+    if (widest) throw openOutline(widest->from, widest->hit, "");
   }
 
   DrawingFault openOutline(const Vector2& end, double gap, const std::string& remedy) const {
-    return faultAt(
-        {end}, fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it{}",
-                           drawing_.place(end), gap * 1e3, remedy));
+    return faultAt({end},
+                   fmt::format("the outline is open at {}, {} from the next line; close it{}",
+                               drawing_.place(end), drawing_.length(gap), remedy));
   }
 
   void takeNecks(double scale) {

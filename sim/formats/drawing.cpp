@@ -41,6 +41,10 @@ std::string Drawing::place(const Vector2& point) const {
                      unitName);
 }
 
+std::string Drawing::length(double metres) const {
+  return fmt::format("{:.4g} {}", metres / unit, unitName);
+}
+
 double Drawing::size() const {
   Eigen::AlignedBox2d box;
   for (const DrawnPath& path : paths) {

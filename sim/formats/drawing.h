@@ -42,6 +42,8 @@ struct Drawing {
 
   /// "(12.3, 4) mm": a position in the drawing's own coordinates.
   std::string place(const Vector2& point) const;
+  /// "3.2 mm": a length in the unit of these coordinates.
+  std::string length(double metres) const;
   /// Diagonal of the bounding box of all lines, metres; 0 without lines.
   double size() const;
 };
