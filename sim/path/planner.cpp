@@ -535,8 +535,11 @@ class Planner {
       if (candidate.hasContacts || found.hasCompliantJoints) settings.jump = 0;
       settings.jointStiffness = candidate.jointStiffness;
       found.path = continueAlong(trial, guide, settings, part, shouldContinue);
-      endAtNearest(found.path);
     }
+    // A path from the goal ends there with closed joints, which rounded tiles may not allow.
+    found.path.error =
+        trajectory::targetError(*scene_.model.target, bricks_, found.path.states.back());
+    endAtNearest(found.path);
     if (closedStart_.empty()) closedStart_ = found.path.states.front();
     found.hasCompliantJoints = found.hasCompliantJoints || found.path.isRounded;
     budget_.spend(part.spent());
