@@ -233,8 +233,7 @@ int nearestToTime(const std::vector<double>& times, double time) {
   if (time > times.back() + kAfterEnd) {
     throw InputError(
         fmt::format("error: --frames-at: {:g} s is after the end of the run at {:g} s; give times "
-                    "up to it, or shares "
-                    "such as 100%",
+                    "up to it, or shares such as 100%",
                     time, times.back()));
   }
   return nearestIndex(times, time);

@@ -677,6 +677,11 @@ void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>
   drawing.tileOf = std::move(pieces.tileOf);
 }
 
+/// Whether an edge has the letter of a fold, mountain or valley.
+bool hasFoldLetter(const model::Crease& crease) {
+  return crease.assignment == 'M' || crease.assignment == 'V';
+}
+
 /// Warns of edges without a face, of folds at the border, and of letters that contradict angles.
 void warnOfEdges(const model::FoldSheet& drawing, const fs::path& file,
                  std::vector<std::string>& warnings) {
@@ -699,16 +704,13 @@ void warnOfEdges(const model::FoldSheet& drawing, const fs::path& file,
   };
   warn([&](const model::Crease& crease) { return facesOf(crease) == 0; },
        "are sides of no face and are not read", "split the faces there, or delete the edges");
-  const auto isFold = [](const model::Crease& crease) {
-    return crease.assignment == 'M' || crease.assignment == 'V';
-  };
-  warn([&](const model::Crease& crease) { return isFold(crease) && facesOf(crease) == 1; },
+  warn([&](const model::Crease& crease) { return hasFoldLetter(crease) && facesOf(crease) == 1; },
        "are folds (M or V) with a face on one side only and do not fold",
        "draw the border of the sheet (B) around them");
   warn(
       [&](const model::Crease& crease) {
         const double angle = crease.foldAngle.value_or(0);
-        return isFold(crease) && (crease.assignment == 'M' ? angle > 0 : angle < 0);
+        return hasFoldLetter(crease) && (crease.assignment == 'M' ? angle > 0 : angle < 0);
       },
       "have a letter (M or V) against the sign of their angle, which decides",
       "a mountain has an angle < 0, a valley > 0");
@@ -760,7 +762,7 @@ std::vector<model::Joint> readOwnJoints(const FoldReader& reader, const TileTabl
 }
 
 bool isWithoutAngle(const model::Crease& crease) {
-  return (crease.assignment == 'M' || crease.assignment == 'V') && !crease.foldAngle;
+  return hasFoldLetter(crease) && !crease.foldAngle;
 }
 
 /// Whether the sheet turns about an edge. Cuts and boundaries have one face on each side.
@@ -777,8 +779,7 @@ void foldByLetters(const ReadSettings& settings, model::FoldSheet& drawing,
   const double angle = 180 * settings.fold.value_or(1);
   int count = 0, flat = 0;
   for (model::Crease& crease : creases) {
-    const bool isFold = crease.assignment == 'M' || crease.assignment == 'V';
-    flat += isFold && crease.foldAngle && *crease.foldAngle == 0;
+    flat += hasFoldLetter(crease) && crease.foldAngle && *crease.foldAngle == 0;
     if (!isWithoutAngle(crease)) continue;
     crease.foldAngle = crease.assignment == 'M' ? -angle : angle;
     ++count;
@@ -823,18 +824,6 @@ void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<model::Til
   }
 }
 
-/// The largest distance of joined corners, as lengths in the file.
-double widestJoint(const std::vector<model::Joint>& joints, const std::vector<model::Tile>& tiles) {
-  double widest = 0;
-  for (const model::Joint& joint : joints) {
-    if (joint.kind != model::JointKind::Pivot) continue;
-    const Vector3& a = tiles[joint.a.tile].vertices[joint.a.vertex];
-    const Vector3& b = tiles[joint.b.tile].vertices[joint.b.vertex];
-    widest = std::max(widest, (a - b).norm());
-  }
-  return widest;
-}
-
 /// The flat sheet folded along its creases; the sheet itself if no crease has an angle. Absent,
 /// with a warning that ends with `result`, if angles around a loop are inconsistent.
 std::optional<std::vector<model::Tile>> foldAlong(const std::vector<model::Crease>& creases,
@@ -843,7 +832,7 @@ std::optional<std::vector<model::Tile>> foldAlong(const std::vector<model::Creas
                                                   std::vector<std::string>& warnings) {
   std::vector<model::Tile> folded =
       foldedTiles(model.drawing->outlines, creases, model.tiles, normal).value_or(model.tiles);
-  const double widest = widestJoint(model.joints, folded);
+  const double widest = model::largestJointGap(model.joints, folded);
   if (widest <= kMostGap * model::tileSize(model)) return folded;
   warnings.push_back(fmt::format(
       "{}: warning: with its fold angles, joints would open by {:.2g} (the file's unit). {}", place,

@@ -467,10 +467,8 @@ class PlyReader {
     readHeader();
     for (const PlyElement& element : elements_) readElement(element);
     if (!word().empty()) {
-      throw faultHere(
-          fmt::format("there is more data than the header counts ({}). Correct the "
-                      "counts",
-                      describeCounts()));
+      throw faultHere(fmt::format(
+          "there is more data than the header counts ({}). Correct the counts", describeCounts()));
     }
     if (faces_.empty()) throw fault("the file has no face");
   }
@@ -511,16 +509,16 @@ class PlyReader {
   }
 
  private:
-  InputError fault(const std::string& what) const {
-    return inputErrorAt({file_}, fmt::format("{}; {}", what, kPlyPurpose));
+  /// `line`: of the fault; 0 if it concerns the whole file.
+  InputError fault(const std::string& what, int line = 0) const {
+    return inputErrorAt({file_, line}, fmt::format("{}; {}", what, kPlyPurpose));
   }
 
   /// A fault in the word that was read last, with its line. Binary data has no lines.
   InputError faultHere(const std::string& what) const {
     const bool hasLines = !isInData_ || format_ == PlyFormat::Ascii;
     const auto end = text_.begin() + static_cast<std::ptrdiff_t>(at_);
-    const int line = hasLines ? 1 + static_cast<int>(std::count(text_.begin(), end, '\n')) : 0;
-    return inputErrorAt({file_, line}, fmt::format("{}; {}", what, kPlyPurpose));
+    return fault(what, hasLines ? 1 + static_cast<int>(std::count(text_.begin(), end, '\n')) : 0);
   }
 
   std::string describeCounts() const {

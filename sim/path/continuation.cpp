@@ -635,7 +635,7 @@ run::MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide,
 
 run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses> guide,
                                     run::SearchBudget& budget, const PathObserver& shouldContinue) {
-  const Poses start = guide.front(), goal = guide.back();
+  const Poses start = guide.front();
   std::ranges::reverse(guide);
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const double near = kNoFarther * model::tileSize(scene.model);
@@ -659,7 +659,9 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
   std::ranges::reverse(back.states);
   if (!back.isStuck) back.states.front() = start;
   measureLengths(bricks, back);
-  if (scene.model.target) back.error = trajectory::targetError(*scene.model.target, bricks, goal);
+  // The joints of rounded tiles may have moved the end away from the goal.
+  if (scene.model.target)
+    back.error = trajectory::targetError(*scene.model.target, bricks, back.states.back());
   return back;
 }
 

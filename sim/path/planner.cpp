@@ -536,9 +536,6 @@ class Planner {
       settings.jointStiffness = candidate.jointStiffness;
       found.path = continueAlong(trial, guide, settings, part, shouldContinue);
     }
-    // A path from the goal ends there with closed joints, which rounded tiles may not allow.
-    found.path.error =
-        trajectory::targetError(*scene_.model.target, bricks_, found.path.states.back());
     endAtNearest(found.path);
     if (closedStart_.empty()) closedStart_ = found.path.states.front();
     found.hasCompliantJoints = found.hasCompliantJoints || found.path.isRounded;

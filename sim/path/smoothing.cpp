@@ -439,9 +439,7 @@ class Smoothing {
     double deepest = 0;
     if (!gaps_) return deepest;
     for (const Poses& poses : states) {
-      for (const NearGap& near : gaps_->find(poses, 0, 0)) {
-        deepest = std::max(deepest, -near.gap);
-      }
+      for (const NearGap& near : gaps_->find(poses, 0, 0)) deepest = std::max(deepest, -near.gap);
     }
     return deepest;
   }
