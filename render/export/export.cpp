@@ -628,19 +628,30 @@ double widthOf(const brick::Brick& brick) {
   return width;
 }
 
+/// Constants of lockingOf().
+struct Locking {
+  double scale = 0, byLength = 0, bySlenderness = 0;
+};
+
 /// By how much CalculiX bends a clamped square plate too little under its weight, a fraction of
 /// Kirchhoff's deflection. `slenderness` is width / thickness, `perEdge` the number of elements
 /// along an edge, >= 4. Few thin elements are too stiff (locking): x / (1 + x) with
-///     x = c (8 / perEdge)^p slenderness^2,
-/// at most 0.75 with quadratic elements.
-/// Fitted to decks with 4, 6, 8, 12 and 16 elements and a slenderness of 50 to 1000: within 0.13 of
-/// them, of shells within 0.23.
+///     x = c (8 / perEdge)^p slenderness^q,
+/// at most 0.75 with quadratic elements of hinged tiles.
+/// Fitted to decks with 4 to 16 elements and a slenderness of 50 to 1000. Hinged tiles: within 0.13
+/// of solids, within 0.23 of shells. Sheets with necks, whose meshes are irregular: within 0.04.
 double lockingOf(double slenderness, double perEdge, const fea::ElementRule& rule) {
   const bool isShell = rule.family == fea::ElementFamily::Shell;
-  const double c = rule.quadratic ? 8.5e-7 : isShell ? 1e-4 : 7e-5;
-  const double p = rule.quadratic ? 6.3 : 4;
-  const double x = c * std::pow(8 / perEdge, p) * slenderness * slenderness;
-  return std::min(x / (1 + x), rule.quadratic ? 0.75 : 1.0);
+  const bool isNecked = rule.joints == fea::JointStyle::Neck;
+  const Locking of = rule.quadratic ? (!isNecked ? Locking{8.5e-7, 6.3, 2}
+                                       : isShell ? Locking{1.3e-4, 2.1, 0.7}
+                                                 : Locking{4.65e-5, 3.25, 1.25})
+                                    : (!isNecked ? Locking{isShell ? 1e-4 : 7e-5, 4, 2}
+                                       : isShell ? Locking{2.6e-5, 0.8, 1.63}
+                                                 : Locking{1.95e-5, 3.25, 1.8});
+  const double x =
+      of.scale * std::pow(8 / perEdge, of.byLength) * std::pow(slenderness, of.bySlenderness);
+  return std::min(x / (1 + x), rule.quadratic && !isNecked ? 0.75 : 1.0);
 }
 
 /// Warns of tiles that are thin for their elements. The figure is of a clamped square, since it is
@@ -648,18 +659,24 @@ double lockingOf(double slenderness, double perEdge, const fea::ElementRule& rul
 /// up to 83% too little.
 void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Subject& subject,
                            const ExportSettings& settings) {
-  constexpr double kLeastReportedError = 0.05;
+  constexpr double kLeastReportedError = 0.03;
   constexpr double kThin = 100;
   constexpr double kFewest = 4;
   const fea::ElementRule& rule = settings.elements;
-  const double defaultCount =
-      rule.perEdge > 0 ? rule.perEdge : fea::defaultPerEdge(subject.bricks, rule);
+  const bool isNecked = rule.joints == fea::JointStyle::Neck;
+  const double defaultCount = rule.perEdge > 0 ? rule.perEdge
+                              : isNecked       ? fea::kDefaultPerEdge
+                                               : fea::defaultPerEdge(subject.bricks, rule);
+  // Elements of sheets with necks have one length in all tiles.
+  const double length = rule.size > 0 ? rule.size : model::tileSize(subject.model) / defaultCount;
   double most = 0, slenderness = 0, perEdge = 0;
   std::size_t thin = 0;
   for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
     const brick::Brick& brick = subject.bricks[t];
     const double width = widthOf(brick);
-    const double count = rule.size > 0 ? std::max(1.0, std::ceil(width / rule.size)) : defaultCount;
+    const double count = isNecked        ? width / length
+                         : rule.size > 0 ? std::max(1.0, std::ceil(width / rule.size))
+                                         : defaultCount;
     const double error = lockingOf(width / brick.thickness, count, rule);
     if (error <= most) continue;
     most = error, slenderness = width / brick.thickness, perEdge = count, thin = t;
@@ -675,15 +692,16 @@ void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Su
   } else if (most > kLeastReportedError) {
     lines.push_back(fmt::format(
         "warning: tile {} is {:.0f} times as wide as thick; a clamped square that is as thin "
-        "deflects about {:.0f}% too little with {} elements per edge: use more with "
+        "deflects about {:.0f}% too little with {:.2g} elements per edge: use more with "
         "--elements-per-edge",
         tile, slenderness, 100 * most, perEdge));
   }
 }
 
 /// Warns of sharp corners. The figures are measured on triangles of 8 elements per edge.
-void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::Subject& subject) {
-  constexpr double kSharp = 6;  // degrees
+void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::Subject& subject,
+                            const fea::ElementRule& rule) {
+  constexpr double kSharp = 10;  // degrees
   double sharpest = kSharp;
   std::optional<std::size_t> sharp;
   for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
@@ -701,11 +719,16 @@ void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::S
     }
   }
   if (!sharp) return;
+  const char* measured = rule.joints != fea::JointStyle::Neck
+                             ? "9% with a corner of 5 to 10 degrees, by 42 to 165%"
+                         : rule.family == fea::ElementFamily::Plane
+                             ? "26% with a corner of 5 to 10 degrees, by 13 to 237%"
+                             : "7% with a corner of 5 to 10 degrees, by 2 to 102%";
   lines.push_back(fmt::format(
       "warning: tile {} has a corner of {:.2g} degrees, so natural frequencies may be too high: "
-      "the first five of triangles with 8 elements per edge by up to 6% with a corner of 5 "
-      "degrees, by 42 to 165% with 1 degree. Use more with --elements-per-edge",
-      static_cast<std::size_t>(subject.model.fileOrder.countsFrom) + *sharp, sharpest));
+      "the first five of triangles with 8 elements per edge by up to {} with 1 degree. Use more "
+      "with --elements-per-edge",
+      static_cast<std::size_t>(subject.model.fileOrder.countsFrom) + *sharp, sharpest, measured));
 }
 
 }  // namespace
@@ -740,7 +763,7 @@ void requireExportable(const model::Model& model, const brick::BrickRule& rule,
   const bool hasSolid = hasFormat(settings, "stl") || hasFormat(settings, "step");
   if (settings.elements.joints == fea::JointStyle::Neck &&
       (hasSolid || exportsElements(settings))) {
-    writers::neckOutline(model, settings.elements.neck);
+    fea::meshableOutline(model, settings.elements.neck);
     return;
   }
   if (!exportsElements(settings)) return;
@@ -780,18 +803,22 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
 std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& trajectory,
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
-  if (!exportsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
+  if (!exportsElements(settings)) return lines;
   const std::vector<brick::Brick>& bricks = trajectory.subject().bricks;
+  const bool isNecked = settings.elements.joints == fea::JointStyle::Neck;
   // Large sheets get fewer elements than the default; the user must know this.
-  if (fea::isCoarsened(bricks, settings.elements)) {
+  if (!isNecked && fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
         fmt::format("warning: a sheet of {} tiles has {} elements per edge; 8 would bend more "
                     "accurately. Use --elements-per-edge or --element-size",
                     bricks.size(), fea::defaultPerEdge(bricks, settings.elements)));
   }
-  appendThinnessWarning(lines, trajectory.subject(), settings);
-  appendSharpnessWarning(lines, trajectory.subject());
-  if (!hasFormat(settings, kDeck)) return lines;
+  // Plane elements do not bend.
+  if (settings.elements.family != fea::ElementFamily::Plane) {
+    appendThinnessWarning(lines, trajectory.subject(), settings);
+  }
+  appendSharpnessWarning(lines, trajectory.subject(), settings.elements);
+  if (isNecked || !hasFormat(settings, kDeck)) return lines;
   const std::vector<brick::HingeSpring>& springs =
       brick::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });

@@ -356,12 +356,16 @@ struct TwinLines {
 std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
                          double tileSize, const std::vector<TwinLines>& twins = {});
 
+/// The outline of a model's start with necks (writers::neckOutline). Also throws InputError for
+/// necks narrower than a millionth of the sheet's size, whose elements Gmsh cannot place.
+writers::NeckOutline meshableOutline(const model::Model& model, const writers::NeckShape& shape);
+
 /// The start of a planar model as one sheet with the rule's necks and this thickness in metres:
 /// solids, shells in the middle of the thickness, or plane elements in the plane z = 0. Tiles and
 /// necks share nodes at their common boundary; the two sides of a slit share none. Requires an
 /// installed Gmsh.
 ///
-/// Throws like neckOutline, requireValidRule and meshedByGmsh. The mesh has no joints and no
+/// Throws like meshableOutline, requireValidRule and meshedByGmsh. The mesh has no joints and no
 /// clusters.
 ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule);
 

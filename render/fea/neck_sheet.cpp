@@ -617,9 +617,20 @@ std::vector<TwinLines> twinLines(const writers::NeckOutline& outline,
 
 }  // namespace
 
+writers::NeckOutline meshableOutline(const model::Model& model, const writers::NeckShape& shape) {
+  constexpr double kNarrowest = 1e-6;
+  writers::NeckOutline outline = writers::neckOutline(model, shape);
+  const double size = model::modelSize(model);
+  if (model.joints.empty() || outline.neckWidth >= kNarrowest * size) return outline;
+  throw InputError(fmt::format(
+      "error: necks of {} are too narrow for a sheet of {}; choose a --neck-width of at least {}",
+      lengthText(outline.neckWidth, model.unit), lengthText(size, model.unit),
+      lengthText(1.1 * kNarrowest * size, model.unit, 2)));
+}
+
 ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule) {
   requireValidRule(rule);
-  const writers::NeckOutline outline = writers::neckOutline(model, rule.neck);
+  const writers::NeckOutline outline = meshableOutline(model, rule.neck);
   ElementMesh mesh = meshOf(outline, thickness, rule, model::tileSize(model), {});
   mesh.neckShapes = necksOf(model, thickness, rule.neck);
   return mesh;
@@ -630,7 +641,7 @@ ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
   if (model.joints.empty()) return makeNeckMesh(model, thickness, rule);
   requireValidRule(rule);
   // Faults of the cell itself are reported for its own tiles.
-  writers::neckOutline(model, rule.neck);
+  meshableOutline(model, rule.neck);
   std::vector<std::vector<Vector3>> tiles;
   for (const model::Tile& tile : model.tiles) tiles.push_back(tile.vertices);
   SheetLattice lattice = findSheetLattice(tiles, model.joints, model.fileOrder.countsFrom);

@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "render/fea/element_mesh.h"
 #include "render/fea/outside_program.h"
 #include "sim/base/files.h"
 
@@ -216,7 +217,7 @@ std::vector<Vector2> separatedPoints(const writers::NeckOutline& outline,
 
 std::string neckSheetStl(const model::Model& model, const writers::NeckShape& neck,
                          double thickness, const LengthUnit& unit) {
-  const writers::NeckOutline outline = writers::neckOutline(model, neck);
+  const writers::NeckOutline outline = meshableOutline(model, neck);
   const std::vector<std::vector<int>> regions = regionsOf(outline);
   const auto lines = linesOf(regions);
   const std::vector<Vector2> points =
@@ -253,7 +254,7 @@ std::string neckSheetStl(const model::Model& model, const writers::NeckShape& ne
 
 std::string neckSheetStep(const model::Model& model, const writers::NeckShape& neck,
                           double thickness) {
-  const writers::NeckOutline outline = writers::neckOutline(model, neck);
+  const writers::NeckOutline outline = meshableOutline(model, neck);
   const Quaternion back = outline.sheet.turn.conjugate();
   const std::vector<std::vector<int>> sides = boundaryLoops(regionsOf(outline));
   const std::vector<Vector2> points =

@@ -14,12 +14,12 @@ namespace kirireel::fea {
 
 /// A sheet with necks as an ASCII STL of one closed surface, in the unit. Coordinates read back as
 /// the same doubles. The two sides of a slit without kerf are separated by 1e-7 of the sheet's
-/// size, which single precision can represent. `thickness` in metres.
+/// size, which single precision can represent. `thickness` in metres. Throws like meshableOutline.
 std::string neckSheetStl(const model::Model& model, const writers::NeckShape& neck,
                          double thickness, const LengthUnit& unit);
 
 /// The same as a STEP file of one solid, in millimetres, by Gmsh's OpenCASCADE. Throws like
-/// stepByGmsh.
+/// meshableOutline and stepByGmsh.
 std::string neckSheetStep(const model::Model& model, const writers::NeckShape& neck,
                           double thickness);
 

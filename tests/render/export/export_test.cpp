@@ -267,13 +267,50 @@ TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
         ElementsAre(HasSubstr("tile 0 has a corner of 1 degrees, so natural frequencies may "
                               "be too high: the first five of triangles with 8 elements")));
   }
-  EXPECT_THAT(warnings(triangle(7), 8), ElementsAre());
+  EXPECT_THAT(warnings(triangle(11), 8), ElementsAre());
   // A notch of 4 degrees between corners of 88 degrees and more.
   EXPECT_THAT(
       warnings(
           {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.52, 1, 0}, {0.5, 0.4, 0}, {0.48, 1, 0}, {0, 1, 0}},
           8),
       ElementsAre());
+}
+
+TEST(ExportWarnings, TellOfThinAndSharpTilesOfSheetsWithNecks) {
+  scene::Scene scene;
+  scene.model = generate::makeTessellation(test::squares(2, 2, 0));
+  scene.brick.thickness = 0.002;
+  exports::ExportSettings settings;
+  settings.formats = {"msh"};
+  settings.elements.joints = fea::JointStyle::Neck;
+  settings.elements.neck.width = 0.1;
+  EXPECT_THAT(test::startWarnings(scene, settings),
+              ElementsAre("warning: tile 0 is 500 times as wide as thick; a clamped square that "
+                          "is as thin deflects about 10% too little with 8 elements per edge: use "
+                          "more with --elements-per-edge"));
+  settings.elements.family = fea::ElementFamily::Plane;  // does not bend
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
+  const double c = std::cos(kDegree), s = std::sin(kDegree);
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {c, s, 0}}}};
+  scene.model.joints.clear();
+  scene.model.target.reset();
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre(HasSubstr("by 13 to 237%")));
+}
+
+TEST(ExportedNecks, AreNotTooNarrowForTheirSheet) {
+  model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
+  model.unit = millimetre();
+  exports::ExportSettings settings;
+  settings.elements.joints = fea::JointStyle::Neck;
+  for (const char* format : {"inp", "msh", "stl", "step"}) {
+    settings.formats = {format};
+    settings.elements.neck.width = 1e-9;
+    EXPECT_EQ(test::refusalOf([&] { exports::requireExportable(model, {}, settings); }),
+              "error: necks of 1e-06 mm are too narrow for a sheet of 2830 mm; choose a "
+              "--neck-width of at least 0.0031 mm");
+    settings.elements.neck.width = 3.1e-6;
+    EXPECT_NO_THROW(exports::requireExportable(model, {}, settings));
+  }
 }
 
 // Two squares at 60 degrees: their bricks overlap next to the edge that makes them one part.
