@@ -217,7 +217,7 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
       ray.isJoined = ray.stop < 0.5 * kerf + tolerance;
       continue;
     }
-    double first = kNever, last = 0;
+    double first = kNever, last = 0, end = 0;
     for (const auto& [a, b] : border) {
       const Vector2 line = b - a;
       const double area = crossOf(ray.along, line);
@@ -226,11 +226,13 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
       const double share = crossOf(a - ray.from, ray.along) / area;
       if (share < 0 || share > 1 || ahead < -tolerance || ahead > ray.stop - tolerance) continue;
       first = std::min(first, std::max(ahead, 0.0));
+      end = std::max(end, ahead);
       // For a relieved slit, the far side of its own relief.
       if (ahead <= 0.5 * ray.stop) last = std::max(last, ahead);
     }
-    // A neck thinner than half the kerf does not exist: the cut runs along the border.
-    ray.isJoined = kerf > 0 && (first == kNever || ray.stop - first < 0.5 * kerf);
+    // Material ends at a slot, or at the stop.
+    if (isWithin(border, ray.from + (ray.stop - tolerance) * ray.along)) end = ray.stop;
+    ray.isJoined = kerf > 0 && (first == kNever || end - first <= tolerance);
     ray.tip = ray.isJoined ? 0 : kerf > 0 ? first : last;
   }
 }

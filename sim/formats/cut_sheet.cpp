@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -189,11 +190,34 @@ class SheetMaker {
     if (open == rays_.end()) requireNoGap();
     if (rays_.empty())
       throw fault("the drawing has no lines of a sheet. Draw its outline and its cuts");
-    const Vector2& end = open == rays_.end() ? rays_.front().from : open->from;
+    const Vector2 end = outermostEnd(lines);
     throw faultAt({end},
                   fmt::format("the outline is open: the line that ends at {} leaves the sheet. "
                               "Close the outline, or end the line at it",
                               drawing_.place(end)));
+  }
+
+  /// The open end with the widest view out of the drawing: half a turn or more for ends of a convex
+  /// outline, less for ends of cuts.
+  Vector2 outermostEnd(const Arrangement& lines) const {
+    const CutRay* best = nullptr;
+    double widest = 0;
+    for (const CutRay& ray : rays_) {
+      std::vector<double> angles;
+      for (const Vector2& node : lines.nodes()) {
+        const Vector2 apart = node - ray.from;
+        if (node != ray.from) angles.push_back(std::atan2(apart.y(), apart.x()));
+      }
+      std::ranges::sort(angles);
+      double view = angles.front() + 2 * std::numbers::pi - angles.back();
+      for (std::size_t k = 1; k < angles.size(); ++k) {
+        view = std::max(view, angles[k] - angles[k - 1]);
+      }
+      if (best && view < widest + 1e-9) continue;
+      best = &ray;
+      widest = view;
+    }
+    return best->from;
   }
 
   /// The extension of an open outline's end has the outside of the sheet on one side.
@@ -269,8 +293,10 @@ class SheetMaker {
     for (int k = 0; k < std::ssize(rays_); ++k) {
       if (isExtended_.contains(k)) continue;
       const int node = *whole.nodeAt(rays_[k].from);
-      const int cycle = whole.cycleOf(whole.leaving(node)[0]);
-      if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
+      // Another cut may end here, with the outside on one side only.
+      const bool isOutside = std::ranges::any_of(
+          whole.leaving(node), [&](int half) { return whole.areaOf(whole.cycleOf(half)) <= 0; });
+      if (isOutside && closed.contains(parts[node])) {
         throw openOutline(rays_[k].from, rays_[k].stop,
                           ", or give `widest_neck` if a neck is there");
       }

@@ -5,7 +5,8 @@
 //    of a page and is ignored.
 // 2. *Facing edges*: two edges of M's border with opposite directions and only removed material
 //    between them. The median of their distances over their lengths is the kerf k.
-// 3. *Centre lines* lie midway between facing edges, where these overlap.
+// 3. *Centre lines* lie midway between facing edges, where these overlap. Connected ones that are
+//    together shorter than 1.1 k are notches and holes.
 // 4. *Outline*: closing M by at least 0.6 k (dilation and erosion with mitred corners, J. Serra,
 //    Image Analysis and Mathematical Morphology, 1982) fills slots and their mouths and preserves
 //    straight edges. Remaining holes are wider than slots.
@@ -19,7 +20,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include <Eigen/Geometry>
 #include <geos_c.h>
@@ -209,6 +209,30 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
+/// Outlines of the sheets without slots, and their holes that are wider than slots.
+std::vector<SlotRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* material,
+                                     const std::vector<FacingEdges>& pairs, double kerf,
+                                     double tolerance, std::vector<SlotRing>& holes) {
+  std::vector<SlotRing> outlines;
+  const auto isFilled = [&](const FacingEdges& pair) {
+    if (pair.width > 1.1 * kerf) return true;  // wider than most slots
+    const Vector2 middle = 0.5 * (pair.middle.first + pair.middle.second);
+    const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
+    return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
+  };
+  // Slots that end at the outline within rounding leave needles of material, with mitres far away.
+  const double needle = 2 * tolerance;
+  const GEOSGeometry* eroded = plane.grown(material, -needle);
+  // Mitred buffers of GEOS may be wrong. Slots then stay open, and another distance works better.
+  for (const double share : {0.6, 0.7, 0.85, 1.0}) {
+    holes.clear();
+    const double distance = share * kerf;
+    outlines = plane.rings(plane.grown(plane.grown(eroded, distance + needle), -distance), &holes);
+    if (std::ranges::all_of(pairs, isFilled)) break;
+  }
+  return outlines;
+}
+
 /// Junction of two centre lines that end near a position: their crossing if it is near.
 Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, double near) {
   constexpr double kLeastBend = 0.01;  // radians; straighter lines cross far away
@@ -374,8 +398,9 @@ CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const D
   }
   double area = 0;
   for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
-  // Slots are much narrower than tiles.
-  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + open.size() + 1));
+  // Slots are narrower than tiles. In a sheet with slits, wide gaps are notches of the outline.
+  const double reach = (open.empty() ? 1 : 0.25) *
+                       std::sqrt(area / static_cast<double>(all.size() + open.size() + 1));
   std::vector<PlaneSegment> slits;
   takeEnclosedSlots(rings, open, reach, tolerance, removed, slits);
   GeosPlane plane;
@@ -401,22 +426,23 @@ CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const D
   }
   std::vector<Vector2> places = ends.points();
   for (int k = 0; k < ends.count(); ++k) places[k] = bendOf(linesAt[k], places[k], cuts.kerf);
+  // A slot is longer than wide. Others are notches and holes.
+  constexpr double kSlender = 1.1;  // length / width
+  const std::vector<int> partOf = Arrangement(places, centreLines).parts();
+  std::vector<double> lengths(places.size(), 0);  // by part
+  const auto lengthOf = [&](const std::pair<int, int>& line) {
+    return (places[line.second] - places[line.first]).norm();
+  };
+  for (const auto& line : centreLines) lengths[partOf[line.first]] += lengthOf(line);
+  std::erase_if(centreLines, [&](const auto& line) {
+    return lengths[partOf[line.first]] < kSlender * cuts.kerf;
+  });
+  if (centreLines.empty()) return cuts;
   for (const auto& [first, last] : centreLines)
     cuts.lines.emplace_back(places[first], places[last]);
-  std::vector<SlotRing> outlines, holes;
-  const auto isFilled = [&](const FacingEdges& pair) {
-    if (pair.width > 1.1 * cuts.kerf) return true;  // wider than most slots
-    const Vector2 middle = 0.5 * (pair.middle.first + pair.middle.second);
-    const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
-    return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
-  };
-  // Mitred buffers of GEOS may be wrong. Slots then stay open, and another distance works better.
-  for (const double share : {0.6, 0.7, 0.85, 1.0}) {
-    holes.clear();
-    const double distance = share * cuts.kerf;
-    outlines = plane.rings(plane.grown(plane.grown(material, distance), -distance), &holes);
-    if (std::ranges::all_of(pairs, isFilled)) break;
-  }
+  std::vector<SlotRing> holes;
+  const std::vector<SlotRing> outlines =
+      filledOutlines(plane, material, pairs, cuts.kerf, tolerance, holes);
   for (const PlaneSegment& one : segmentsOf(outlines)) cuts.lines.push_back(one);
   for (const SlotRing& hole : holes) {
     // A hole at the end of one slot is a relief. Several slots may end at a hole of the design.

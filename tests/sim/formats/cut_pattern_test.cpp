@@ -246,6 +246,52 @@ TEST(CutPatterns, SlotsOfWholeNumbersKeepTheirWidth) {
   }
 }
 
+TEST(CutPatterns, SlotsMayBeHalfATileWide) {
+  for (const double kerf : {3.0, 5.0, 8.0, 10.0}) {
+    for (const double angle : {0.0, 0.7}) {
+      const SlitGrid grid(4, [&] { return 0.5 * kerf + 1; });
+      const Eigen::Affine2d move(Eigen::Translation2d(150, 100) * Eigen::Rotation2Dd(angle));
+      std::vector<Point> outline = grid.outline();
+      for (Point& p : outline) p = move * p;
+      std::string text = closedPath(outline);
+      for (const auto& [a, b] : grid.slits)
+        text += closedPath(stadium({move * a, move * b}, kerf, 1));
+      SCOPED_TRACE(fmt::format("slots of {} mm, {} radians", kerf, angle));
+      expectGrid(read("a.svg", page(text)), grid, move, 1e-6);
+    }
+  }
+}
+
+// A relief at a neck of the border, wider than deep, is no slot: the joint stays on the border.
+TEST(CutPatterns, NotchesOfTheOutlineAreNoSlots) {
+  const double kerf = 0.5;
+  for (const double depth : {0.5 * kerf, 0.9 * kerf}) {
+    const SlitGrid grid(4, [] { return 1.5; });
+    std::vector<Point> outline;
+    for (int k = 0; k < 4; ++k) {
+      const Point from = grid.outline()[k], to = grid.outline()[(k + 1) % 4];
+      const Point along = (to - from).normalized(), inwards(-along.y(), along.x());
+      outline.push_back(from);
+      for (int part = 1; part < grid.n; ++part) {
+        const Point at = from + 20 * part * along;
+        const bool isJoint = std::ranges::any_of(
+            grid.joints, [&](const Point& joint) { return (joint - at).norm() < 1e-9; });
+        if (!isJoint) continue;
+        for (const auto& [x, y] : {std::pair(-0.5, 0.0), {-0.5, 1.0}, {0.5, 1.0}, {0.5, 0.0}}) {
+          outline.emplace_back(at + x * kerf * along + y * depth * inwards);
+        }
+      }
+    }
+    ASSERT_GT(outline.size(), 4U);
+    std::string text = closedPath(outline);
+    for (const Line& slit : grid.slits) text += closedPath(stadium(slit, kerf, 1));
+    SCOPED_TRACE(depth);
+    const Reading reading =
+        read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+    expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+  }
+}
+
 /// The same grid with slots of 0.3 mm, of which those at the border are drawn in another way.
 TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
   const SlitGrid grid(4, [] { return 1.15; });
@@ -621,6 +667,13 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
   // A gap in the outline, next to a slit that stops short of it.
   EXPECT_THAT(read("a.svg", page("<path d=\"M10 0H40V20H0V0H9.5M10 1V20\"/>")).refusal,
               HasSubstr("the outline is open at (10, 0) mm, 0.5 mm from the next line; close it"));
+  // A side of the outline is missing. A slit leaves the sheet there, or ends at one of its ends.
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0V40H40V0M20 39V1M1 20H39\"/>")).refusal,
+              HasSubstr("the outline is open: the line that ends at (0, 0) mm leaves the sheet"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M20 0V19M0 0V40H60V0H40M20 40V21M40 40V1M1 20H59\"/>"
+                                 "<path d=\"M0 0H20\"/>"))
+                  .refusal,
+              HasSubstr("the outline is open at (40, 0) mm, 20 mm from the next line"));
   // A slit that crosses another one by mistake, and one that crosses it to cut four tiles.
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
               HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond "
@@ -640,6 +693,15 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
   }
   EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
               HasSubstr("It can only bend and is not a rigid tile"));
+  // A living hinge of slots: the necks are narrower than half a slot.
+  std::string slots = "<path d=\"M0 0H54V50H0Z\"/>";
+  for (int row = 0; row < 13; ++row) {
+    for (const double y : row % 2 ? std::vector{0.0, 25.5} : std::vector{1.0, 17.5, 34.0}) {
+      slots += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"2.25\" height=\"{}\"/>", 1.75 + 4 * row,
+                           y, row % 2 ? 23.5 : 15.5);
+    }
+  }
+  EXPECT_THAT(read("a.svg", page(slots)).refusal, HasSubstr("It can only bend"));
   EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
               HasSubstr("`cut` and `ignore` choose"));
 }
