@@ -35,6 +35,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <ranges>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -139,7 +140,9 @@ class FoldReader {
  public:
   FoldReader(const fs::path& file, const ReadSettings& settings)
       : file_(file), whole_(parsedFile(file)) {
-    if (!whole_.is_object()) throw fault("the file has no JSON object. Give a FOLD file");
+    if (!whole_.is_object())
+      throw fault(
+          fmt::format("the file is {}, not a JSON object. Give a FOLD file", found(whole_)));
     findFrames();
     chooseFrame(settings);
   }
@@ -183,9 +186,9 @@ class FoldReader {
       const auto exists = [&](int end) { return end >= 0 && end < std::ssize(points); };
       if (ends.size() != 2 || !std::ranges::all_of(ends, exists)) {
         throw fault(
-            fmt::format("edge {} does not join two of the vertices 0-{}; correct it, or "
+            fmt::format("edge {} is {}, but an edge joins two of the vertices 0-{}; correct it, or "
                         "delete edges_vertices",
-                        drawing.creases.size(), points.size() - 1));
+                        drawing.creases.size(), found(edge), points.size() - 1));
       }
       drawing.creases.push_back({ends[0], ends[1]});
     }
@@ -211,16 +214,17 @@ class FoldReader {
     const Json* list = anglesKey(frame);
     if (list == nullptr) return {};
     if (!list->is_array() || list->size() != count) {
-      throw fault(fmt::format("{} is not a list of {} angles, one per edge. Correct or delete it",
-                              find(frame, kAngles) ? kAngles : kOldAngles, count));
+      throw fault(fmt::format("{} is {}, but {} edges need as many angles. Correct or delete it",
+                              find(frame, kAngles) ? kAngles : kOldAngles, found(*list), count));
     }
     FoldAngles angles;
     for (const Json& angle : *list) {
       // FOLD writes null for edges whose angle is unknown, boundaries among them.
       if (!angle.is_null() && !(angle.is_number() && std::abs(angle.get<double>()) <= 180)) {
         throw fault(fmt::format(
-            "edge {} has a fold angle that is neither null nor in [-180, 180] degrees. Correct it",
-            angles.size()));
+            "edge {} has the fold angle {}, which is neither null nor in [-180, 180] degrees. "
+            "Correct it",
+            angles.size(), found(angle)));
       }
       angles.push_back(angle.is_null() ? std::nullopt : std::optional(angle.get<double>()));
     }
@@ -259,7 +263,8 @@ class FoldReader {
                           std::ranges::all_of(entry, [](const Json& v) { return v.is_number(); });
       if (!isNeck) {
         throw fault(fmt::format(
-            "{} has an entry that is not a neck. Write joint, width, length and kerf", kNecks));
+            "{} has the entry {}, which is not a neck. Write joint, width, length and kerf", kNecks,
+            found(entry)));
       }
       setNeck(entry[0].get<int>(),
               {entry[1].get<double>(), entry[2].get<double>(), entry[3].get<double>()}, {file_},
@@ -305,13 +310,17 @@ class FoldReader {
     }
     const int others = count - static_cast<int>(read.size());
     const bool isChain = states_.size() > 2;
+    const bool isSeries = isChain && states_.size() > 4 &&
+                          states_.back() - states_[1] == static_cast<int>(states_.size()) - 2;
     const bool isOwn = ownTargets() != nullptr;
     if (!settings.frame && !isOwn && (others > 0 || isChain)) {
-      std::string targets = isChain
-                                ? fmt::format(", frames {} are targets one after the other",
-                                              fmt::join(states_.begin() + 1, states_.end(), ", "))
-                            : states_.size() == 2 ? fmt::format(", frame {} its target", states_[1])
-                                                  : "";
+      std::string targets =
+          isChain               ? fmt::format(", frames {} are targets one after the other",
+                                isSeries ? fmt::format("{}-{}", states_[1], states_.back())
+                                                       : fmt::format("{}", fmt::join(states_.begin() + 1,
+                                                                                     states_.end(), ", ")))
+                        : states_.size() == 2 ? fmt::format(", frame {} its target", states_[1])
+                                : "";
       warnings.push_back(fmt::format(
           "{}: warning: of frames 0-{}, frame {} is the start{}{}; `frame = N` reads frame N only",
           file_.string(), count - 1, frame_, targets,
@@ -327,21 +336,24 @@ class FoldReader {
           fmt::format("{}: warning: frame_unit {} is not known, so lengths are in m; set `unit`",
                       file_.string(), shown(name->dump(), 24)));
     }
-    std::vector<std::string> ignored;
+    std::vector<std::string> ignored, foreign;
     for (const char* key : {"faceOrders", "edgeOrders"}) {
       const Json* list = find(key);
       if (list != nullptr && !list->empty()) {
-        ignored.push_back(fmt::format("{} ({} entries)", key, list->size()));
+        ignored.push_back(fmt::format("the order of layers in {}", key));
       }
     }
-    int foreign = 0;
     for (const auto& [key, value] : frames_[static_cast<std::size_t>(frame_)]->items()) {
-      foreign += !isOfFold(key);
+      if (!isOfFold(key)) foreign.push_back(shown(key, 24));
     }
-    if (foreign > 0) ignored.push_back(fmt::format("{} keys of other programs", foreign));
+    if (!foreign.empty()) {
+      ignored.push_back(fmt::format(
+          "{} key{} of other programs ({}{})", foreign.size(), foreign.size() == 1 ? "" : "s",
+          fmt::join(foreign | std::views::take(3), ", "), foreign.size() > 3 ? ", ..." : ""));
+    }
     if (ignored.empty()) return;
-    warnings.push_back(fmt::format("{}: warning: {} are not read; tiles have no order of layers",
-                                   file_.string(), fmt::join(ignored, ", ")));
+    warnings.push_back(
+        fmt::format("{}: warning: not read: {}", file_.string(), fmt::join(ignored, ", ")));
   }
 
   // A list of numbers that fit an int. `index` names the entry in the message.
@@ -353,7 +365,8 @@ class FoldReader {
     // A value that is not a whole number makes the counts differ.
     if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
-        fmt::format("entry {} is not a list of whole numbers. Write vertex numbers >= 0", index));
+        fmt::format("entry {} is {}, not a list of whole numbers. Write vertex numbers >= 0", index,
+                    found(list)));
   }
 
   // Coordinates of all vertices, metres. The default of z is 0.
@@ -368,13 +381,23 @@ class FoldReader {
         point[static_cast<int>(axis)] = entry[axis].is_number() ? entry[axis].get<double>() : NAN;
       }
       if (isPoint && point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate) continue;
-      throw fault(fmt::format("vertex {} is not two or three coordinates within {:g}; correct it",
-                              points.size() - 1, kMaxCoordinate));
+      throw fault(
+          fmt::format("vertex {} is {}, not two or three coordinates within {:g}; correct it",
+                      points.size() - 1, found(entry), kMaxCoordinate));
     }
     return points;
   }
 
   InputError fault(const std::string& message) const { return inputErrorAt({file_}, message); }
+
+  /// A value in a message: its text, or the length of a long list.
+  static std::string found(const Json& value) {
+    constexpr std::size_t kShort = 24;  // letters
+    const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (value.is_array() && text.size() > kShort)
+      return fmt::format("a list of {} entries", value.size());
+    return shown(text, kShort);
+  }
 
  private:
   std::optional<LengthUnit> unitOf(int frame) const {
@@ -403,12 +426,14 @@ class FoldReader {
     frames_ = {&whole_};
     const Json* frames = own(whole_, "file_frames");
     if (frames != nullptr && !frames->is_array()) {
-      throw fault("file_frames is not a list of frames. Correct or delete it");
+      throw fault(fmt::format("file_frames is {}, not a list of frames. Correct or delete it",
+                              found(*frames)));
     }
     for (std::size_t k = 0; frames != nullptr && k < frames->size(); ++k) {
       if (!(*frames)[k].is_object()) {
         throw fault(
-            fmt::format("entry {} of file_frames is not a JSON object. Correct or delete it", k));
+            fmt::format("entry {} of file_frames is {}, not a JSON object. Correct or delete it", k,
+                        found((*frames)[k])));
       }
       frames_.push_back(&(*frames)[k]);
     }
@@ -508,7 +533,8 @@ class FoldReader {
     const Json* edges = find("edges_vertices");
     if (edges != nullptr) {
       if (edges->is_array()) return *edges;
-      throw fault("edges_vertices is not a list of edges. Correct or delete it");
+      throw fault(fmt::format("edges_vertices is {}, not a list of edges. Correct or delete it",
+                              found(*edges)));
     }
     const Json* neighbours = find("vertices_vertices");
     Json found = Json::array();
@@ -527,15 +553,15 @@ class FoldReader {
     const std::size_t count = drawing.creases.size();
     if (!assignment->is_array() || assignment->size() != count) {
       throw fault(fmt::format(
-          "edges_assignment is not a list of {} letters, one per edge. Correct or delete it",
-          count));
+          "edges_assignment is {}, but {} edges need as many letters. Correct or delete it",
+          found(*assignment), count));
     }
     drawing.hasLetters = true;
     for (std::size_t k = 0; k < count; ++k) {
       drawing.creases[k].assignment = letterOf((*assignment)[k]);
       if (drawing.creases[k].assignment != 0) continue;
-      throw fault(
-          fmt::format("edge {} has an unknown assignment. Write one of B, M, V, F, U, C, J", k));
+      throw fault(fmt::format("edge {} has the assignment {}. Write one of B, M, V, F, U, C, J", k,
+                              found((*assignment)[k])));
     }
   }
 
@@ -824,20 +850,30 @@ void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<model::Til
   }
 }
 
-/// The flat sheet folded along its creases; the sheet itself if no crease has an angle. Absent,
-/// with a warning that ends with `result`, if angles around a loop are inconsistent.
-std::optional<std::vector<model::Tile>> foldAlong(const std::vector<model::Crease>& creases,
-                                                  const model::Model& model, const Vector3& normal,
-                                                  const std::string& place, const char* result,
-                                                  std::vector<std::string>& warnings) {
-  std::vector<model::Tile> folded =
+/// A sheet folded along its creases.
+struct FoldedSheet {
+  std::vector<model::Tile> tiles;
+  double gap = 0;       ///< largest gap of a joint, metres
+  bool isOpen = false;  ///< angles around a loop are inconsistent
+};
+
+/// The flat sheet folded along its creases; the sheet itself if no crease has an angle.
+FoldedSheet foldAlong(const std::vector<model::Crease>& creases, const model::Model& model,
+                      const Vector3& normal) {
+  FoldedSheet folded;
+  folded.tiles =
       foldedTiles(model.drawing->outlines, creases, model.tiles, normal).value_or(model.tiles);
-  const double widest = model::largestJointGap(model.joints, folded);
-  if (widest <= kMostGap * model::tileSize(model)) return folded;
-  warnings.push_back(fmt::format(
-      "{}: warning: with its fold angles, joints would open by {:.2g} (the file's unit). {}", place,
-      widest, result));
-  return std::nullopt;
+  folded.gap = model::largestJointGap(model.joints, folded.tiles);
+  folded.isOpen = folded.gap > kMostGap * model::tileSize(model);
+  return folded;
+}
+
+/// `whose` and `result` complete the sentence.
+std::string openFolds(const fs::path& file, const std::string& whose, double gap,
+                      const char* result) {
+  return fmt::format(
+      "{}: warning: the fold angles {} would open joints by up to {:.2g} (the file's unit). {}",
+      file.string(), whose, gap, result);
 }
 
 /// The axes of a tile: its first corner and first edge, longer than a millionth of the tile.
@@ -1130,17 +1166,17 @@ Json stateFrame(const std::string& title, const char* key, Json value) {
   return frame;
 }
 
-/// Appends a target given by coordinates.
-void addTarget(const std::vector<Vector3>& points, const TileTable& start, model::Model& model,
-               std::vector<std::string>& warnings) {
-  const TileTable target = tableOf(start.file, model.drawing->outlines, points);
-  checkTarget(target, model, start, warnings);
-  model.waypoints.push_back(target.tiles);
+/// Appends a target given by coordinates. `tables` receives it for checkTargets().
+void addTarget(const std::vector<Vector3>& points, model::Model& model, const fs::path& file,
+               std::vector<TileTable>& tables) {
+  tables.push_back(tableOf(file, model.drawing->outlines, points));
+  model.waypoints.push_back(tables.back().tiles);
 }
 
 /// Appends the targets of a deployment's file.
 void addOwnTargets(const FoldReader& reader, const TileTable& start, model::Model& model,
                    std::vector<std::string>& warnings) {
+  std::vector<TileTable> tables;
   for (const Json& target : *reader.ownTargets()) {
     const std::vector<Vector3> points = reader.points(target);
     if (points.size() != model.drawing->vertices.size()) {
@@ -1148,8 +1184,9 @@ void addOwnTargets(const FoldReader& reader, const TileTable& start, model::Mode
           fmt::format("{} has {} vertices, vertices_coords has {}; correct or delete it", kTargets,
                       points.size(), model.drawing->vertices.size()));
     }
-    addTarget(points, start, model, warnings);
+    addTarget(points, model, start.file, tables);
   }
+  checkTargets(tables, model, start, warnings);
 }
 
 /// Appends the states after the first. `states` have coordinates; `angles` are the creases of those
@@ -1165,14 +1202,20 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
         "{}: warning: {} frames have only fold angles, which need a flat start; they are not read",
         start.file.string(), angles.size()));
   }
+  std::vector<int> open;  // frames
+  double widest = 0;
   const auto fold = [&](const std::vector<model::Crease>& creases, int frame) {
     if (!normal) return false;
-    std::optional<std::vector<model::Tile>> folded =
-        foldAlong(creases, model, *normal, fmt::format("{}: frame {}", start.file.string(), frame),
-                  "It is not read", warnings);
-    if (folded) model.waypoints.push_back(std::move(*folded));
-    return folded.has_value();
+    FoldedSheet folded = foldAlong(creases, model, *normal);
+    if (folded.isOpen) {
+      open.push_back(frame);
+      widest = std::max(widest, folded.gap);
+    } else {
+      model.waypoints.push_back(std::move(folded.tiles));
+    }
+    return !folded.isOpen;
   };
+  std::vector<TileTable> tables;
   const std::vector<int>& frames = reader.stateFrames();
   if (!angles.empty() && std::ranges::any_of(drawing.creases, folds)) {
     drawing.givesTarget = fold(drawing.creases, frames.front());
@@ -1181,7 +1224,7 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
   auto nextAngles = angles.begin();
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (reader.hasOwnPlaces(frames[k])) {
-      addTarget(*nextState++, start, model, warnings);
+      addTarget(*nextState++, model, start.file, tables);
     } else if (const std::vector<model::Crease>& creases = *nextAngles++;
                fold(creases, frames[k])) {
       for (std::size_t edge = 0; edge < creases.size(); ++edge) {
@@ -1189,6 +1232,15 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
         drawing.creases[edge].targetAngles.back() = creases[edge].foldAngle;
       }
     }
+  }
+  checkTargets(tables, model, start, warnings);
+  if (open.size() == 1) {
+    warnings.push_back(openFolds(start.file, fmt::format("of frame {}", open[0]), widest,
+                                 "This frame is not read"));
+  } else if (!open.empty()) {
+    warnings.push_back(openFolds(start.file,
+                                 fmt::format("of {} frames (first: {})", open.size(), open[0]),
+                                 widest, "These frames are not read"));
   }
 }
 
@@ -1227,9 +1279,14 @@ std::vector<model::Crease> setTarget(const FoldReader& reader, const ReadSetting
   if (model.waypoints.empty() && !isOwn && normal) {
     foldByLetters(settings, drawing, creases, file, warnings);
     if (std::ranges::any_of(creases, folds)) {
-      model.target = foldAlong(
-          creases, model, *normal, file.string(),
-          "So the model has no target, and springs at folds rest at these angles", warnings);
+      FoldedSheet folded = foldAlong(creases, model, *normal);
+      if (folded.isOpen) {
+        warnings.push_back(
+            openFolds(file, "in the file", folded.gap,
+                      "So the model has no target, and springs at folds rest at these angles"));
+      } else {
+        model.target = std::move(folded.tiles);
+      }
     }
     drawing.givesTarget = model.target.has_value();
     return creases;
@@ -1319,7 +1376,9 @@ std::string foldText(const model::Model& inOrder, const std::vector<FoldState>& 
   json["frame_title"] = samples.empty() ? "start" : samples.front().title;
   for (const auto& [key, text] : sheet.texts) json[key] = text;
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
-  json["frame_unit"] = model.unit.name;
+  // A FOLD file without a unit gets none.
+  const bool hasUnit = !model.drawing || model.declaredUnit || model.unit.name != LengthUnit{}.name;
+  if (hasUnit) json["frame_unit"] = model.unit.name;
   json[kPlaces] = coordinatesOf(model.tiles, sheet);
   json["faces_vertices"] = sheet.faces;
   addEdges(sheet, inOrder, normal, json);

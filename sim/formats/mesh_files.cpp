@@ -370,7 +370,7 @@ model::Model readObjPair(const fs::path& start, const std::optional<fs::path>& t
   if (target) {
     const ObjSheet deployed = ObjReader(*target).read();
     // Compares shapes before numbers, since a target with other tiles is the more likely mistake.
-    checkTarget(deployed.tiles, model, sheet.tiles, warnings);
+    checkTargets({deployed.tiles}, model, sheet.tiles, warnings);
     requireSameFaces(sheet, deployed);
     model.target = deployed.tiles.tiles;
   }

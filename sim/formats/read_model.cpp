@@ -503,7 +503,7 @@ model::Model readModelFolder(const fs::path& folder, const ReadSettings& setting
 
   if (fs::exists(folder / "target.txt")) {
     const TileTable target = readTiles(folder / "target.txt");
-    checkTarget(target, model, tiles, warnings);
+    checkTargets({target}, model, tiles, warnings);
     model.target = target.tiles;
   }
   if (fs::exists(folder / "hull.txt")) model.hull = readHull(folder / "hull.txt", model.tiles);
@@ -527,7 +527,7 @@ std::vector<model::Tile> readTargetFile(const fs::path& file, const model::Model
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
     start.sources.push_back({static_cast<int>(i) + 1, {}});
   }
-  checkTarget(target, asInFile, start, warnings);
+  checkTargets({target}, asInFile, start, warnings);
   return model::inFileOrder(target.tiles, model.fileOrder);
 }
 

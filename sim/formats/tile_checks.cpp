@@ -248,34 +248,43 @@ void checkTiles(const TileTable& table) {
   }
 }
 
-void checkTarget(const TileTable& target, const model::Model& start, const TileTable& table,
-                 std::vector<std::string>& warnings) {
-  checkSameCounts(target, table);
+void checkTargets(const std::vector<TileTable>& targets, const model::Model& start,
+                  const TileTable& table, std::vector<std::string>& warnings) {
   const double allowed = kOtherShape * model::tileSize(start);
   const double rounding = kSameShape * model::modelSize(start);
   ShapeChange worst;
-  int changed = 0;
-  for (size_t i = 0; i < start.tiles.size(); ++i) {
-    const int tile = static_cast<int>(i);
-    const ShapeChange change = shapeChange(start.tiles[i], target.tiles[i], tile);
-    if (change.size() > allowed) {
-      throw inputErrorAt(
-          target.at(tile, change.vertexB),
-          fmt::format(
-              "vertices {} and {} of target tile {} are {:.4g} apart, but at {} {:.4g}. The "
-              "target must have the same rigid tiles. Correct it, or use this model's target",
-              table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
-              table.countsFrom + tile, change.targetDistance, table.shortName(tile),
-              change.startDistance));
+  FileLocation worstPlace;
+  int changed = 0, changedTargets = 0;
+  for (const TileTable& target : targets) {
+    checkSameCounts(target, table);
+    const int before = changed;
+    for (size_t i = 0; i < start.tiles.size(); ++i) {
+      const int tile = static_cast<int>(i);
+      const ShapeChange change = shapeChange(start.tiles[i], target.tiles[i], tile);
+      if (change.size() > allowed) {
+        throw inputErrorAt(
+            target.at(tile, change.vertexB),
+            fmt::format(
+                "vertices {} and {} of target tile {} are {:.4g} apart, but at {} {:.4g}. The "
+                "target must have the same rigid tiles. Correct it, or use this model's target",
+                table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
+                table.countsFrom + tile, change.targetDistance, table.shortName(tile),
+                change.startDistance));
+      }
+      changed += change.size() > rounding ? 1 : 0;
+      if (change.size() <= worst.size()) continue;
+      worst = change;
+      worstPlace = target.at(change.tile);
     }
-    changed += change.size() > rounding ? 1 : 0;
-    if (change.size() > worst.size()) worst = change;
+    changedTargets += changed > before ? 1 : 0;
   }
   if (changed == 0) return;
-  warnings.push_back(
-      fmt::format("{}: warning: {} target tiles have slightly different shapes. Here a length "
-                  "differs most, by {:.2g}. Rigid tiles can only come near this target",
-                  toString(target.at(worst.tile)), changed, worst.size()));
+  warnings.push_back(fmt::format(
+      "{}: warning: {} target tiles{} have slightly different shapes. Here a length differs most, "
+      "by {:.2g}. Rigid tiles can only come near {}",
+      toString(worstPlace), changed,
+      targets.size() > 1 ? fmt::format(" in {} of {} targets", changedTargets, targets.size()) : "",
+      worst.size(), targets.size() > 1 ? "these targets" : "this target"));
 }
 
 void notePadding(const TileTable& table, model::Model& model, std::vector<std::string>& warnings) {

@@ -63,11 +63,11 @@ std::optional<std::pair<int, int>> crossingSides(const model::Tile& tile);
 /// O(n^2) for a tile of n vertices.
 void checkTiles(const TileTable& table);
 
-/// Throws InputError if the target has other tiles than the start, or clearly different shapes.
-/// Adds a warning for a slight change of shape, which rigid tiles cannot follow. `start` holds the
+/// Throws InputError if a target has other tiles than the start, or clearly different shapes. Adds
+/// one warning for slight changes of shape, which rigid tiles cannot follow. `start` holds the
 /// model's tiles and `table` their file positions.
-void checkTarget(const TileTable& target, const model::Model& start, const TileTable& table,
-                 std::vector<std::string>& warnings);
+void checkTargets(const std::vector<TileTable>& targets, const model::Model& start,
+                  const TileTable& table, std::vector<std::string>& warnings);
 
 /// Reports the padded tiles of a table, if there are any.
 void notePadding(const TileTable& table, model::Model& model, std::vector<std::string>& warnings);

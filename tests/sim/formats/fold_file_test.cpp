@@ -184,6 +184,11 @@ TEST(FoldUnits, AreThoseOfTheFile) {
   const std::string text = readTextFile(again, "");
   EXPECT_NE(text.find("\"frame_unit\":\"in\""), std::string::npos);
   EXPECT_NE(text.find("2.5"), std::string::npos);
+  // A FOLD file without a unit gets none. A model of another format is in metres.
+  model::Model plain = readText(twoSquares().dump()).model;
+  EXPECT_FALSE(json::parse(formats::foldText(plain)).contains("frame_unit"));
+  plain.drawing.reset();
+  EXPECT_EQ(json::parse(formats::foldText(plain))["frame_unit"], "m");
 }
 
 // One square of 2 inches in every format that can declare a unit, and in none. A declared unit
@@ -247,7 +252,7 @@ TEST(FoldFile, TakesBothNamesOfAngles) {
     EXPECT_LT((cornerOf(*sheet.model.target, 1, 1) - Vector3(1, 0, 1)).norm(), 1e-15);
   }
   EXPECT_EQ(readText(edited(twoSquares(), {{"edges_foldAngles", {1}}}).dump()).said,
-            "@/a.fold: error: edges_foldAngles is not a list of 7 angles, one per edge. Correct or "
+            "@/a.fold: error: edges_foldAngles is [1], but 7 edges need as many angles. Correct or "
             "delete it");
 }
 
@@ -449,8 +454,39 @@ TEST(FoldFile, FramesWithAnglesNeedAFlatStartAndAnglesThatFit) {
             "flat start; they are not read");
   file["file_frames"] = {foldedBy({0, 60})};
   EXPECT_EQ(readText(file.dump()).said,
-            "@/a.fold: error: edges_foldAngle is not a list of 7 angles, one per edge. Correct or "
-            "delete it");
+            "@/a.fold: error: edges_foldAngle is [0,60], but 7 edges need as many angles. Correct "
+            "or delete it");
+}
+
+// One line per kind, however many frames there are.
+TEST(FoldFile, ChainsHaveOneWarningOfEachKind) {
+  json file =
+      json::parse(R"({"vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
+      "faces_vertices": [[0,1,4,3],[1,2,5,4],[3,4,7,6],[4,5,8,7]],
+      "edges_vertices": [[1,4],[4,7],[3,4],[4,5]], "edges_assignment": ["V","V","V","V"]})");
+  const auto saidWith = [&](const json& frames) {
+    file["file_frames"] = frames;
+    const std::string said = readText(file.dump()).said;
+    return said.substr(said.rfind("@/"));  // after the line about frames
+  };
+  json frames = {foldedBy({10, 10, 0, 0}), foldedBy({90, 0, 0, 0}), foldedBy({0, 60, 0, 0})};
+  EXPECT_THAT(saidWith(frames),
+              testing::MatchesRegex("@/a.fold: warning: the fold angles of 2 frames \\(first: 2\\) "
+                                    "would open joints by up to .* \\(the file's unit\\). These "
+                                    "frames are not read"));
+  frames.erase(2);
+  EXPECT_THAT(saidWith(frames), testing::HasSubstr("the fold angles of frame 2 would open joints"));
+  file["file_frames"] = json(9, foldedBy({10, 10, 0, 0}));
+  EXPECT_THAT(readText(file.dump()).said, testing::HasSubstr("frames 1-9 are targets"));
+  json stretched = json::array();
+  for (const double length : {1.0, 1.001, 1.002}) {
+    json places = file["vertices_coords"];
+    for (const int corner : {2, 5, 8}) places[corner][0] = 1 + length;
+    stretched.push_back({{"frame_inherit", true}, {"vertices_coords", places}});
+  }
+  EXPECT_EQ(saidWith(stretched),
+            "@/a.fold: warning: 4 target tiles in 2 of 3 targets have slightly different shapes. "
+            "Here a length differs most, by 0.002. Rigid tiles can only come near these targets");
 }
 
 // Four squares around a vertex, cut from the side to the middle: the sides of the cut are one edge
@@ -671,8 +707,8 @@ TEST(FoldFile, CountsWhatIsNotRead) {
                                           {"edges_length", {1, 1, 1, 1, 1, 1, 1}}});
   EXPECT_EQ(
       readText(file.dump()).said,
-      "@/a.fold: warning: faceOrders (1 entries), 2 keys of other programs are not read; tiles "
-      "have no order of layers");
+      "@/a.fold: warning: not read: the order of layers in faceOrders, 2 keys of other programs "
+      "(faces_colors, other:key)");
 }
 
 TEST(FoldFile, CountsEdgesOfNoFace) {

@@ -397,14 +397,15 @@ TEST(FormatErrors, Fold) {
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0,0,0]]})"}},
                  "a.fold"),
-      "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+15; correct it");
+      "@/a.fold: error: vertex 0 is [0,\"x\"], not two or three coordinates within 1e+15; correct "
+      "it");
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
-      "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");
+      "@/a.fold: error: entry 0 is 0, not a list of whole numbers. Write vertex numbers >= 0");
   EXPECT_TRUE(messageFor({{"a.fold", "{\"x\": "}}, "a.fold")
                   .starts_with("@/a.fold: error: this is not JSON ("));
   EXPECT_EQ(messageFor({{"a.fold", "3"}}, "a.fold"),
-            "@/a.fold: error: the file has no JSON object. Give a FOLD file");
+            "@/a.fold: error: the file is 3, not a JSON object. Give a FOLD file");
 }
 
 /// The message about a sheet of one triangle with more keys.
@@ -429,30 +430,32 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
   for (const char* ends : {"[0,99]", "[-1,0]", "[0]", "[0,1,2]"}) {
     EXPECT_EQ(
         messageForFold(one, std::string(R"(,"edges_vertices": [[0,1],)") + ends + "]"),
-        "@/a.fold: error: edge 1 does not join two of the vertices 0-2; correct it, or delete "
-        "edges_vertices");
+        std::string("@/a.fold: error: edge 1 is ") + ends +
+            ", but an edge joins two of the vertices 0-2; correct it, or delete edges_vertices");
   }
   EXPECT_EQ(messageForFold(one, R"(,"edges_vertices": 7)"),
-            "@/a.fold: error: edges_vertices is not a list of edges. Correct or delete it");
+            "@/a.fold: error: edges_vertices is 7, not a list of edges. Correct or delete it");
   const std::string edges = R"(,"edges_vertices": [[0,1],[1,2],[2,0]], "edges_assignment": )";
   for (const char* assignment : {"[\"B\"]", "3"}) {
     EXPECT_EQ(messageForFold(one, edges + assignment),
-              "@/a.fold: error: edges_assignment is not a list of 3 letters, one per edge. Correct "
-              "or delete it");
+              std::string("@/a.fold: error: edges_assignment is ") + assignment +
+                  ", but 3 edges need as many letters. Correct or delete it");
   }
   EXPECT_EQ(messageForFold(one, edges + R"(["B","X","M"])"),
-            "@/a.fold: error: edge 1 has an unknown assignment. Write one of B, M, V, F, U, C, J");
+            "@/a.fold: error: edge 1 has the assignment \"X\". Write one of B, M, V, F, U, C, J");
   const std::string angles = R"(,"edges_vertices": [[0,1],[1,2]], "edges_foldAngle": )";
   EXPECT_EQ(messageForFold(one, angles + "[null]"),
-            "@/a.fold: error: edges_foldAngle is not a list of 2 angles, one per edge. Correct or "
-            "delete it");
+            "@/a.fold: error: edges_foldAngle is [null], but 2 edges need as many angles. Correct "
+            "or delete it");
   EXPECT_EQ(messageForFold(one, angles + "[null, 270]"),
-            "@/a.fold: error: edge 1 has a fold angle that is neither null nor in [-180, 180] "
-            "degrees. Correct it");
+            "@/a.fold: error: edge 1 has the fold angle 270, which is neither null nor in "
+            "[-180, 180] degrees. Correct it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": {"frame_title": "a"})"),
-            "@/a.fold: error: file_frames is not a list of frames. Correct or delete it");
-  EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
-            "@/a.fold: error: entry 1 of file_frames is not a JSON object. Correct or delete it");
+            "@/a.fold: error: file_frames is {\"frame_title\":\"a\"}, not a list of frames. "
+            "Correct or delete it");
+  EXPECT_EQ(
+      messageForFold(one, R"(,"file_frames": [{}, 3])"),
+      "@/a.fold: error: entry 1 of file_frames is 3, not a JSON object. Correct or delete it");
   // A frame that is not read may be anything.
   EXPECT_EQ(
       messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
@@ -465,7 +468,8 @@ TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
             "@/a.fold: error: face 1 has 0 vertices; a tile has at least 3: complete it or delete "
             "it");
   EXPECT_EQ(messageForFold("[[0,1,4294967298]]"),
-            "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");
+            "@/a.fold: error: entry 0 is [0,1,4294967298], not a list of whole numbers. Write "
+            "vertex numbers >= 0");
   EXPECT_EQ(messageForFold("[[0,1,2]]", R"(,"kirireel:pulled_tiles": [0, 1])"),
             "@/a.fold: error: kirireel:pulled_tiles names tile 1, but the file has tiles 0-0. "
             "Correct the number");
