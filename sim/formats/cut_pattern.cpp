@@ -49,6 +49,15 @@ void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) 
   if (path.isClosed) segments.emplace_back(path.points.back(), path.points.front());
 }
 
+/// " (2 x mask, which is not applied)" for what a fault may come from.
+std::string notApplied(const Drawing& drawing) {
+  std::string text;
+  for (const auto& [what, count] : drawing.ignored) {
+    if (what.find(", which is not ") != what.npos) text += fmt::format(" ({} x {})", count, what);
+  }
+  return text;
+}
+
 /// Lines of one colour, layer and dash.
 struct LineGroup {
   std::string colour, layer;
@@ -126,10 +135,7 @@ class CutPatternReader {
       std::string text = error.what();
       if (groups_.size() > 1)
         text += fmt::format(" (lines: {}; `cut` and `ignore` choose)", describeGroups());
-      for (const auto& [what, count] : drawing_.ignored) {
-        if (what.find(", which is not ") != what.npos)
-          text += fmt::format(" ({} x {})", count, what);
-      }
+      text += notApplied(drawing_);
       std::deque<DrawnPath> lines;
       if (takeThinSlots(pathsOf([](const LineGroup&) { return true; }), lines) > 0) {
         text += fmt::format(
@@ -829,8 +835,13 @@ model::Model readDrawnModel(const Drawing& drawing, const fs::path& file,
   // Smaller drawings are points. Their tolerance is below the precision of doubles.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
-    throw inputErrorAt({file},
-                       "the drawing has no lines of a sheet. Draw its outline and its cuts");
+    std::vector<std::string> others;
+    for (const auto& [what, count] : drawing.ignored)
+      others.push_back(fmt::format("{} x {}", count, what));
+    throw inputErrorAt(
+        {file},
+        fmt::format("the drawing has no lines of a sheet{}. Draw its outline and its cuts",
+                    others.empty() ? "" : fmt::format(", but {}", fmt::join(others, ", "))));
   }
   const bool isPlain = settings.cut.empty() && settings.ignore.empty() && settings.neckWidth == 0 &&
                        !settings.areJointsInNecks;

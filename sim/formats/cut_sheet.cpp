@@ -382,6 +382,17 @@ class SheetMaker {
     return points;
   }
 
+  /// Lines such as creases, that meet each other everywhere.
+  DrawingFault withoutNecks(const Vector2& piece) const {
+    return faultAt(
+        {piece},
+        fmt::format("the drawing has {} pieces without necks, such as the one at {}: no cut "
+                    "stops short of another line{}. Creases are read from FOLD files",
+                    faces_.size(), drawing_.place(piece),
+                    rays_.empty() ? ". End cuts before the lines that they meet"
+                                  : ", or by too much. Give `widest_neck`"));
+  }
+
   /// Faces without a neck.
   void dropLooseFaces(const Arrangement& whole) {
     const std::vector<int> parts = whole.parts();
@@ -416,6 +427,7 @@ class SheetMaker {
       const bool isShared = facesOf[partOf(f)] > 1;
       if (isShared && (isLikeTile || sheets.empty())) {
         const Vector2 piece = inner(whole, faces_[f]);
+        if (sheets.empty()) throw withoutNecks(piece);
         throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing. End a cut around it "
                                            "before the line that it meets",
                                            drawing_.place(piece)));

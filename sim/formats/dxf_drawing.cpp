@@ -121,7 +121,7 @@ class DxfReader {
       const std::optional<std::string_view> value = nextLine();
       int number = -1;
       const auto [end, error] = std::from_chars(code->data(), code->data() + code->size(), number);
-      if (code->empty() && !value) break;  // an empty line at the end
+      if (code->empty() && !value) break;    // an empty line at the end
       if (code->starts_with('\x1a')) break;  // the end of a file of DOS
       if (!value || error != std::errc() || end != code->data() + code->size()) {
         throw inputErrorAt({file_, line - 1},
@@ -248,9 +248,37 @@ class DxfReader {
         ++drawing_.ignored[lowerCase(oneLine(type))];
         continue;
       }
+      if (!isLevel(entity, entities, k + 1, vertices, path)) {
+        ++drawing_.ignored
+              ["line that leaves the xy plane, which is not cut: turn the sheet into that plane"];
+        continue;
+      }
       for (Vector2& at : path.points) at = transform * at;
       addPath(drawing_, std::move(path), file_);
     }
+  }
+
+  /// Whether an entity with these points lies in a plane z = constant.
+  bool isLevel(const DxfEntity& entity, const std::vector<DxfEntity>& all, std::size_t first,
+               std::size_t last, const DrawnPath& path) const {
+    constexpr double kSlope = 1e-3;
+    const std::string& type = entity.type;
+    std::vector<double> heights;
+    const auto addHeights = [&](const DxfEntity& one) {
+      for (const DxfGroup& group : one.groups) {
+        if (group.code == 30 || group.code == 31) heights.push_back(value(group));
+      }
+    };
+    if (type == "LINE" || type == "SPLINE") {
+      addHeights(entity);
+    } else if (const DxfGroup* normal = entity.group(230)) {
+      if (std::abs(value(*normal)) < 1 - kSlope * kSlope) return false;
+    }
+    for (std::size_t k = first; k < last; ++k) addHeights(all[k]);
+    Eigen::AlignedBox2d box;
+    for (const Vector2& point : path.points) box.extend(point);
+    const auto [low, high] = std::ranges::minmax(heights.empty() ? std::vector{0.0} : heights);
+    return high - low <= kSlope * box.diagonal().norm();
   }
 
   /// The colours 1 to 7 of AutoCAD's table. Other colours are named by their number.

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -20,7 +21,9 @@
 #include <pugixml.hpp>
 
 #include "sim/base/error.h"
+#include "sim/formats/arrangement.h"
 #include "sim/formats/drawing.h"
+#include "sim/formats/middle_lines.h"
 #include "sim/formats/style_sheet.h"
 
 namespace kirireel::formats {
@@ -150,6 +153,58 @@ class NumberScanner {
 };
 
 /// Inherited properties.
+/// The parts of a line within closed lines, or on them.
+std::vector<DrawnPath> partsWithin(const std::vector<DrawnPath>& borders, const DrawnPath& line) {
+  constexpr double kOnBorder = 1e-6;  // of the borders' size
+  std::vector<PlaneSegment> edges;
+  Eigen::AlignedBox2d box;
+  for (const DrawnPath& border : borders) {
+    for (std::size_t k = 0; k < border.points.size(); ++k) {
+      edges.emplace_back(border.points[k], border.points[(k + 1) % border.points.size()]);
+      box.extend(border.points[k]);
+    }
+  }
+  const double near = edges.empty() ? 0 : kOnBorder * box.diagonal().norm();
+  const auto isInside = [&](const Vector2& point) {
+    return isWithin(edges, point) || std::ranges::any_of(edges, [&](const PlaneSegment& edge) {
+             return distanceTo(edge, point) <= near;
+           });
+  };
+  std::vector<Vector2> points = line.points;
+  if (line.isClosed) points.push_back(points.front());
+  std::vector<DrawnPath> parts;
+  bool isWhole = true, continues = false;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    const Vector2 from = points[k], along = points[k + 1] - from;
+    std::vector<double> shares = {0, 1};
+    for (const auto& [a, b] : edges) {
+      const double area = crossOf(along, b - a);
+      if (area == 0) continue;
+      const double share = crossOf(a - from, b - a) / area;
+      const double onEdge = crossOf(a - from, along) / area;
+      const bool isCrossing = onEdge > -kOnBorder && onEdge < 1 + kOnBorder;
+      if (isCrossing && share > 0 && share < 1) shares.push_back(share);
+    }
+    std::ranges::sort(shares);
+    for (std::size_t i = 0; i + 1 < shares.size(); ++i) {
+      if (shares[i] == shares[i + 1]) continue;
+      if (!isInside(from + 0.5 * (shares[i] + shares[i + 1]) * along)) {
+        isWhole = continues = false;
+        continue;
+      }
+      if (!continues) {
+        parts.push_back(line);
+        parts.back().isClosed = false;
+        parts.back().points = {from + shares[i] * along};
+      }
+      parts.back().points.push_back(shares[i + 1] == 1 ? points[k + 1]
+                                                       : Vector2(from + shares[i + 1] * along));
+      continues = true;
+    }
+  }
+  return isWhole ? std::vector{line} : parts;
+}
+
 struct SvgStyle {
   std::string stroke = "none";
   std::string fill = "#000000";
@@ -527,9 +582,8 @@ class SvgReader {
       ++drawing_.ignored["hidden element"];
       return;
     }
-    for (const char* name : {"clip-path", "mask"}) {
-      if (isSet(name)) ++drawing_.ignored[fmt::format("{}, which is not applied", name)];
-    }
+    if (isSet("mask")) ++drawing_.ignored["mask, which is not applied"];
+    const std::size_t first = drawing_.paths.size();
     const SvgStyle style = styleOf(node, parent);
     const SvgTransform transform = outer * transformOf(node);
     if (tag == "g" || tag == "a" || tag == "switch") {
@@ -541,6 +595,41 @@ class SvgReader {
     } else if (!addShape(node, tag, transform, style)) {
       ++drawing_.ignored[tag == "tspan" || tag == "flowroot" ? "text" : oneLine(tag)];
     }
+    if (isSet("clip-path")) clip(first, *property(node, "clip-path"), transform, depth);
+  }
+
+  /// Keeps the parts of the lines from number `first` on that are within a clip path (chapter
+  /// 14.3).
+  void clip(std::size_t first, const std::string& reference, const SvgTransform& transform,
+            int depth) {
+    const std::size_t begin = reference.find('#');
+    const std::size_t end = std::min(reference.find_first_of("\"')", begin), reference.size());
+    const auto found =
+        elements_.find(begin < end ? reference.substr(begin + 1, end - begin - 1) : std::string());
+    const bool isOne = found != elements_.end() && localName(found->second.name()) == "clippath";
+    if (!isOne ||
+        std::string_view(found->second.attribute("clipPathUnits").value()) == "objectBoundingBox") {
+      ++drawing_.ignored["clip-path, which is not applied"];
+      return;
+    }
+    if (++uses_ > 200'000) throw inputErrorAt(place_, "there are more than 200000 clip paths");
+    const auto taken = [&] {
+      std::vector<DrawnPath> paths(
+          std::make_move_iterator(drawing_.paths.begin() + static_cast<std::ptrdiff_t>(first)),
+          std::make_move_iterator(drawing_.paths.end()));
+      drawing_.paths.resize(first);
+      return paths;
+    };
+    const std::vector<DrawnPath> lines = taken();
+    walkChildren(found->second, transform * transformOf(found->second), {}, depth + 1);
+    const std::vector<DrawnPath> borders = taken();
+    for (const DrawnPath& line : lines) {
+      const std::vector<DrawnPath> parts = partsWithin(borders, line);
+      const bool isWhole = parts.size() == 1 && parts[0].points == line.points;
+      drawing_.ignored["line outside its clip path, which is not cut there"] += isWhole ? 0 : 1;
+      drawing_.paths.insert(drawing_.paths.end(), parts.begin(), parts.end());
+    }
+    std::erase_if(drawing_.ignored, [](const auto& one) { return one.second == 0; });
   }
 
   /// A nested svg, or a symbol, whose size its use may give.

@@ -656,7 +656,7 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
 
 TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
-              HasSubstr("a.svg: error: the drawing has no lines of a sheet"));
+              HasSubstr("a.svg: error: the drawing has no lines of a sheet, but 1 x text. Draw"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
               HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leaves "
                         "the sheet. Close the outline, or end the line at it"));
@@ -664,6 +664,31 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
               HasSubstr("the outline is open"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
               HasSubstr("the piece at (10, 10) mm hangs by nothing. End a cut around it"));
+  // Creases, or cuts that meet all others.
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H60V20H0Z\"/><path stroke=\"red\" d=\"M20 0V20\"/>"
+                         "<path stroke=\"blue\" d=\"M40 0V20\"/>"))
+          .refusal,
+      HasSubstr("the drawing has 3 pieces without necks, such as the one at (10, 10) mm: no "
+                "cut stops short of another line. End cuts before the lines that they meet. "
+                "Creases are read from FOLD files"));
+  ReadSettings narrow;
+  narrow.neckWidth = 0.5;
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>"), narrow).refusal,
+              HasSubstr("or by too much. Give `widest_neck`"));
+  // A sheet in the xz plane of a DXF file.
+  const SlitGrid upright(4, [] { return 0.7; });
+  std::string dxf = "0\nSECTION\n2\nENTITIES\n";
+  const auto addLine = [&](const Point& a, const Point& b) {
+    dxf += fmt::format("0\nLINE\n8\n0\n10\n{}\n20\n0\n30\n{}\n11\n{}\n21\n0\n31\n{}\n", a.x(),
+                       a.y(), b.x(), b.y());
+  };
+  for (const auto& [a, b] : upright.slits) addLine(a, b);
+  for (int k = 0; k < 4; ++k) addLine(upright.outline()[k], upright.outline()[(k + 1) % 4]);
+  EXPECT_THAT(
+      read("a.dxf", dxf + "0\nENDSEC\n0\nEOF\n").refusal,
+      HasSubstr("(14 x line that leaves the xy plane, which is not cut: turn the sheet into "
+                "that plane)"));
   // A gap in the outline, next to a slit that stops short of it.
   EXPECT_THAT(read("a.svg", page("<path d=\"M10 0H40V20H0V0H9.5M10 1V20\"/>")).refusal,
               HasSubstr("the outline is open at (10, 0) mm, 0.5 mm from the next line; close it"));

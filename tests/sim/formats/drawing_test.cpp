@@ -264,6 +264,27 @@ TEST(SvgDrawing, InvisibleLinesAreNotCut) {
               ElementsAre(Pair("clip-path, which is not applied", 1)));
 }
 
+// Lines end at the border of their clip path, and those outside are no lines.
+TEST(SvgDrawing, ClipPathsEndLines) {
+  const auto clipped = [](const std::string& lines) {
+    return shapes(
+        "<defs><clipPath id=\"c\" transform=\"translate(5)\"><rect x=\"5\" y=\"10\" "
+        "width=\"30\" height=\"40\" stroke=\"none\"/></clipPath></defs>"
+        "<g style=\"clip-path:url(#c)\">" +
+        lines + "</g>");
+  };
+  const Drawing parts = clipped("<path d=\"M0 20H30V90\"/><path d=\"M0 0H90M60 20V40\"/>");
+  expectPoints(parts, kCorner);
+  EXPECT_THAT(parts.ignored,
+              ElementsAre(Pair("line outside its clip path, which is not cut there", 3)));
+  // A line on the border is inside. A closed line stays closed.
+  const Drawing border = clipped("<rect x=\"10\" y=\"10\" width=\"30\" height=\"40\"/>");
+  ASSERT_EQ(border.paths.size(), 1U);
+  EXPECT_TRUE(border.paths[0].isClosed);
+  EXPECT_TRUE(border.ignored.empty());
+  EXPECT_EQ(clipped("<rect x=\"20\" y=\"-5\" width=\"5\" height=\"90\"/>").paths.size(), 2U);
+}
+
 TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
   const std::string text =
       "<svg width=\"100mm\" viewBox=\"0 0 100 100\">\r\n<path stroke=\"red\" "
