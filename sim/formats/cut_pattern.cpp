@@ -755,9 +755,10 @@ class CutPatternReader {
     for (const LineGroup& group : groups_) layers.insert(group.layer);
     std::vector<std::string> texts;
     for (const LineGroup& group : groups_) {
-      texts.push_back(fmt::format("{} {}{}{} ({})", group.paths.size(), group.colour,
-                                  layers.size() > 1 ? " on layer " + shown(group.layer) : "",
-                                  group.isDashed ? ", dashed" : "", group.role));
+      texts.push_back(fmt::format(
+          "{} {}{}{} ({})", group.paths.size(), group.colour,
+          layers.size() > 1 && !group.layer.empty() ? " on layer " + shown(group.layer) : "",
+          group.isDashed ? ", dashed" : "", group.role));
     }
     return fmt::format("{}", fmt::join(texts, ", "));
   }

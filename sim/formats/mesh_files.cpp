@@ -24,6 +24,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/formats/drawing.h"
 #include "sim/formats/faces.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
@@ -139,7 +140,7 @@ class ObjReader {
   ObjSheet read() {
     TextLine line;
     while (text_.next(line)) {
-      const std::string_view word = line.fields[0].text;
+      const std::string word = lowerCase(line.fields[0].text);
       if (word == "v") {
         readVertex(line);
       } else if (word == "f" || word == "fo") {  // fo: a face in the oldest files
@@ -202,9 +203,12 @@ class ObjReader {
     if (fromZero >= 0 && fromZero < count) return vertices_[fromZero].allFinite() ? fromZero : -1;
     throw inputErrorAt(
         at(line, field),
-        fmt::format(
-            "there are only vertices 1-{} before this line, not {}; {}", count, value,
-            value == 0 ? "OBJ counts from 1: add 1 to all vertex numbers" : "correct this number"));
+        fmt::format("there are {} before this line, not {}; {}",
+                    count == 0 ? "no vertices (v)" : fmt::format("only vertices 1-{}", count),
+                    value,
+                    value == 0  ? "OBJ counts from 1: add 1 to all vertex numbers"
+                    : value > 0 ? "correct this number, or move the face below its vertices"
+                                : "correct this number"));
   }
 
   // As in OBJ, a face can only use vertices before it in the file.

@@ -933,7 +933,9 @@ TEST(MeshFile, ReportsWhatObjHoldsBesides) {
       "@/a.obj: warning: ignored statements: l (2), p (1)");
   EXPECT_EQ(readText(twoTriangles("f 1 2 \\\n 3 9\n"), {}, "a.obj").said,
             "@/a.obj:8:4: error: there are only vertices 1-6 before this line, not 9; correct this "
-            "number");
+            "number, or move the face below its vertices");
+  // Keywords may be capitals.
+  EXPECT_EQ(readText("V 0 0 0\nV 1 0 0\nV 1 1 0\nF 1 2 3\n", {}, "a.obj").model.tiles.size(), 1U);
   EXPECT_EQ(readText(twoTriangles("f 1 2 2 1 NaN\n"), {}, "a.obj").said,
             "@/a.obj:7: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
             "the line");

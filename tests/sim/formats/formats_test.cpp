@@ -341,7 +341,10 @@ TEST(FormatErrors, Obj) {
             "from 1: add 1 to all vertex numbers");
   EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2 4\n"}}, "a.obj"),
             "@/a.obj:4:7: error: there are only vertices 1-3 before this line, not 4; correct this "
-            "number");
+            "number, or move the face below its vertices");
+  EXPECT_EQ(messageFor({{"a.obj", "f 1 2 3\n" + kTriangle}}, "a.obj"),
+            "@/a.obj:1:3: error: there are no vertices (v) before this line, not 1; correct this "
+            "number, or move the face below its vertices");
   EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2\n"}}, "a.obj"),
             "@/a.obj:4: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
             "the line");
