@@ -135,22 +135,23 @@ struct SheetEnds {
   std::array<std::vector<ElementFace>, 6> faces;
 };
 
-/// A mesh of all bricks. Coordinates in metres, world axes.
+/// A mesh of all bricks. Coordinates in metres, world axes; of plane elements in the sheet's plane.
 struct ElementMesh {
-  ElementRule rule;                     ///< a patch radius of 0 is replaced by its value
-  std::vector<Vector3> nodes;           ///< positions, in the order of their numbers
-  std::vector<Element> elements;        ///< ordered by tile
-  std::vector<TileElements> tiles;      ///< one per brick
-  std::vector<TileElements> necks;      ///< of JointStyle::Neck: necks with a non-zero area
-  std::vector<MeshNeck> neckShapes;     ///< of JointStyle::Neck, one per joint
-  std::vector<JointNodes> joints;       ///< one per pivot
-  std::vector<JoinedTiles> joined;      ///< one per fixed joint
-  std::vector<NodeCluster> clusters;    ///< ordered by first node; empty if shared
-  std::vector<PatchSpring> springs;     ///< of JointStyle::Patch, see deck.h
-  std::vector<PeriodicTie> ties;        ///< of a job on a periodic sheet
-  double largestGap = 0;                ///< between corners of one joint, metres
-  SheetEnds ends;                       ///< from findEndEdges()
-  std::optional<SheetLattice> lattice;  ///< of makePeriodicNeckMesh(), which also sets `ties`
+  ElementRule rule;                          ///< a patch radius of 0 is replaced by its value
+  std::vector<Vector3> nodes;                ///< positions, in the order of their numbers
+  std::vector<Element> elements;             ///< ordered by tile
+  std::vector<TileElements> tiles;           ///< one per brick
+  std::vector<TileElements> necks;           ///< of JointStyle::Neck: necks with a non-zero area
+  std::vector<MeshNeck> neckShapes;          ///< of JointStyle::Neck, one per joint
+  std::vector<JointNodes> joints;            ///< one per pivot
+  std::vector<JoinedTiles> joined;           ///< one per fixed joint
+  std::vector<NodeCluster> clusters;         ///< ordered by first node; empty if shared
+  std::vector<PatchSpring> springs;          ///< of JointStyle::Patch, see deck.h
+  std::vector<PeriodicTie> ties;             ///< of a job on a periodic sheet
+  double largestGap = 0;                     ///< between corners of one joint, metres
+  SheetEnds ends;                            ///< from findEndEdges()
+  Quaternion turn = Quaternion::Identity();  ///< from the world to the axes of the nodes
+  std::optional<SheetLattice> lattice;       ///< of makePeriodicNeckMesh(), which also sets `ties`
 };
 
 /// Throws InputError for counts and sizes that are out of range or contradict each other.

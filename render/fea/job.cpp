@@ -211,6 +211,28 @@ std::vector<double> displacementsOf(const NodeDisplacement& driven, const Elemen
   return displacements;
 }
 
+/// Displacement of the driven tiles of one half of the sheet relative to those of the other, along
+/// an axis. Metres, one entry per sample; empty if all tiles are in one half.
+std::vector<double> openingsOf(const Vector3& axis, const std::vector<int>& tiles,
+                               const TileHistory& history) {
+  std::vector<double> places;
+  for (const int tile : tiles) places.push_back(axis.dot(history.poses[0][tile].position));
+  const auto [least, most] = std::ranges::minmax(places);
+  std::vector<double> openings;
+  for (const Poses& poses : history.poses) {
+    std::array<double, 2> sums{}, counts{};
+    for (std::size_t k = 0; k < tiles.size(); ++k) {
+      const std::size_t half = 2 * places[k] > least + most ? 1 : 0;
+      sums[half] += axis.dot(poses[tiles[k]].position) - places[k];
+      ++counts[half];
+    }
+    if (counts[0] > 0 && counts[1] > 0) {
+      openings.push_back(sums[1] / counts[1] - sums[0] / counts[0]);
+    }
+  }
+  return openings;
+}
+
 /// Every n-th sample, including the first and the last. This limits the amplitudes: CalculiX 2.20
 /// crashes on decks with 300,000 pairs, and reads 220,000.
 TileHistory thinned(const TileHistory& history, std::size_t driven) {
@@ -407,7 +429,10 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
                  const std::string& meshFile, const TileHistory& allSamples) {
   const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
   // Six displacements per tile, nine at most, each with its own amplitude.
-  const TileHistory history = thinned(allSamples, 6 * tiles.size());
+  TileHistory history = thinned(allSamples, 6 * tiles.size());
+  for (Poses& poses : history.poses) {
+    for (Pose& pose : poses) pose = {mesh.turn * pose.position, mesh.turn * pose.rotation};
+  }
   std::vector<NodeDisplacement> driven;
   const std::vector<std::vector<Quaternion>> turns = turnsOf(tiles, history);
   for (const auto& own : tileDisplacements(mesh, tiles, turns)) {
@@ -435,6 +460,14 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
   for (const NodeDisplacement& one : driven) {
     appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
                     scale);
+  }
+  const Vector3 axis = mesh.ends.axes.col(mesh.ends.longest);
+  if (const auto openings = openingsOf(axis, tiles, history); !openings.empty()) {
+    appendText(text,
+               "** How far the driven tiles of both halves move apart along the longest axis, for "
+               "scripts/force-curve.\n** Opening along, {}, {}, {}\n",
+               deckNumber(axis.x()), deckNumber(axis.y()), deckNumber(axis.z()));
+    appendAmplitude(text, "OPENING", history.times, openings, scale);
   }
   // The initial and maximum increment is a twentieth of the time, the minimum a millionth. Linear
   // paths between samples are followed closely enough, and CalculiX reduces increments as needed.
@@ -645,8 +678,9 @@ class MotionFinder {
     for (const int node : others) isJoint_[node] = true;
   }
 
-  /// Tries in this order: bottom nodes without joints, all independent bottom nodes, all nodes of
-  /// the tile. Displacements at joints would act directly on the neighbours.
+  /// Tries in this order: bottom nodes far from necks, bottom nodes without joints, all independent
+  /// bottom nodes, all nodes of the tile. Displacements at joints would act directly on the
+  /// neighbours.
   TileMotion of(int tile, const std::vector<Quaternion>& turns = {}) const {
     const TileElements& elements = mesh_.tiles[tile];
     std::vector<int> apart;
@@ -655,7 +689,8 @@ class MotionFinder {
       if (!follows_[node]) leading.push_back(node);
       if (!follows_[node] && !isJoint_[node]) apart.push_back(node);
     }
-    for (const std::vector<int>& nodes : {apart, leading, leadingNodes(elements)}) {
+    for (const std::vector<int>& nodes :
+         {farFromNecks(apart, elements), apart, leading, leadingNodes(elements)}) {
       TileMotion motion;
       if (!choose(nodes, Matrix3::Identity(), motion)) continue;
       if (!turns.empty()) keepGrip(nodes, someOf(turns), motion);
@@ -674,6 +709,27 @@ class MotionFinder {
     std::ranges::copy_if(elements.nodes, std::back_inserter(nodes),
                          [this](int node) { return !follows_[node]; });
     return nodes;
+  }
+
+  /// Nodes at least half as far from the tile's necks as the farthest one. Elastic tiles deform at
+  /// the ends of slits. Nodes held there would stiffen necks and distort small elements. Empty for
+  /// meshes without necks.
+  std::vector<int> farFromNecks(const std::vector<int>& nodes, const TileElements& elements) const {
+    std::vector<int> far;
+    if (mesh_.rule.joints != JointStyle::Neck) return far;
+    std::vector<double> distances;
+    for (const int node : nodes) {
+      double& least = distances.emplace_back(std::numeric_limits<double>::infinity());
+      for (const int other : elements.bottom) {
+        if (!isJoint_[other]) continue;
+        least = std::min(least, (mesh_.nodes[node] - mesh_.nodes[other]).norm());
+      }
+    }
+    const double most = distances.empty() ? 0 : std::ranges::max(distances);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (distances[k] >= 0.5 * most) far.push_back(nodes[k]);
+    }
+    return far;
   }
 
   bool isPlane() const { return mesh_.rule.family == ElementFamily::Plane; }

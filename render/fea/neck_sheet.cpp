@@ -511,6 +511,7 @@ ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const 
     // The same order as in neckGeometry.
     (k < outline.tiles.size() ? mesh.tiles : mesh.necks).push_back(std::move(part));
   }
+  if (rule.family == ElementFamily::Plane) mesh.turn = outline.sheet.turn;
   mesh.ends = endsOf(mesh, region, sides, outline, tileSize);
   std::map<std::pair<int, int>, int> numberOf;
   const std::vector<std::vector<int>> numbers = lineNumbers(outline);

@@ -514,37 +514,98 @@ TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
   }
 }
 
+fea::ElementRule planeNecks(const writers::NeckShape& neck) {
+  return {.perEdge = 1,
+          .joints = fea::JointStyle::Neck,
+          .family = fea::ElementFamily::Plane,
+          .neck = neck};
+}
+
 TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
   for (const char* program : {"ccx", "gmsh", "python3"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
   }
-  // Four squares on necks ten times as long as wide open by 0.26 rad, 15 degrees.
+  // Four squares open by 0.26 rad, 15 degrees, on necks ten times as long as wide and on wide ones.
+  for (const writers::NeckShape& neck :
+       {writers::NeckShape{.width = 0.02, .length = 0.2}, {.width = 0.2}}) {
+    const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
+    const Layout layout = test::layoutOf(model.tiles, model.joints);
+    const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02, planeNecks(neck));
+    fea::TileHistory history = openingOf(2, layout, 0);
+    history.times.resize(14);
+    history.poses.resize(14);
+    fea::DeckSettings settings;
+    settings.drive = {fea::DriveChoice::Edge, {}};
+    const test::TemporaryFolder folder;
+    const fea::DeckJob job = fea::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+    writeTextFile(folder / "x_mesh.inp", fea::meshDeck(mesh, settings, kOrigin) + job.sets);
+    writeTextFile(folder / "x_drive.inp", job.text);
+    const std::string curve = test::outputOf(fmt::format(
+        "cd '{}' && OMP_NUM_THREADS=1 ccx -i x_drive > log && '{}/scripts/force-curve' x_drive",
+        folder.path().string(), KIRIREEL_SOURCE_DIR));
+    EXPECT_THAT(curve, testing::StartsWith("time,opening,force,work,energy,pull\n0,0,0,0,0,0\n"));
+    double time = 0, opening = 0, force = 0, work = 0, energy = 0;
+    const std::string last = curve.substr(curve.rfind('\n', curve.size() - 2) + 1);
+    ASSERT_EQ(
+        std::sscanf(last.c_str(), "%lf,%lf,%lf,%lf,%lf", &time, &opening, &force, &work, &energy),
+        5);
+    EXPECT_GT(energy, 0);
+    EXPECT_NEAR(work / energy, 1, 0.01);  // measured: 1.0036
+    // The middles of the squares are cos + sin of half the angle apart.
+    EXPECT_NEAR(opening, std::cos(0.13) + std::sin(0.13) - 1, 1e-8);
+    // 13 by default; nodes next to ends of slits would need many more.
+    EXPECT_LT(std::ranges::count(curve, '\n'), 30);
+  }
+}
+
+TEST(Drive, MovesNodesOfSheetsWithNecksThatAreFarFromThem) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
   const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
-  const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const fea::ElementRule rule{.perEdge = 1,
-                              .joints = fea::JointStyle::Neck,
-                              .family = fea::ElementFamily::Plane,
-                              .neck = {.width = 0.02, .length = 0.2}};
-  const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02, rule);
-  fea::TileHistory history = openingOf(2, layout, 0);
-  history.times.resize(14);
-  history.poses.resize(14);
-  fea::DeckSettings settings;
-  settings.drive = {fea::DriveChoice::Edge, {}};
-  const test::TemporaryFolder folder;
-  const fea::DeckJob job = fea::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
-  writeTextFile(folder / "x_mesh.inp", fea::meshDeck(mesh, settings, kOrigin) + job.sets);
-  writeTextFile(folder / "x_drive.inp", job.text);
-  const std::string curve = test::outputOf(fmt::format(
-      "cd '{}' && OMP_NUM_THREADS=1 ccx -i x_drive > log && '{}/scripts/force-curve' x_drive",
-      folder.path().string(), KIRIREEL_SOURCE_DIR));
-  EXPECT_THAT(curve, testing::StartsWith("time,opening,force,work,energy\n0,0,0,0,0\n"));
-  double time = 0, opening = 0, force = 0, work = 0, energy = 0;
-  const std::string last = curve.substr(curve.rfind('\n', curve.size() - 2) + 1);
-  ASSERT_EQ(
-      std::sscanf(last.c_str(), "%lf,%lf,%lf,%lf,%lf", &time, &opening, &force, &work, &energy), 5);
-  EXPECT_GT(energy, 0);
-  EXPECT_NEAR(work / energy, 1, 0.01);  // measured: 1.0036
+  for (const fea::ElementFamily family :
+       {fea::ElementFamily::Solid, fea::ElementFamily::Shell, fea::ElementFamily::Plane}) {
+    fea::ElementRule rule = planeNecks({.width = 0.2});
+    rule.family = family;
+    const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02, rule);
+    for (const auto& own : fea::tileDisplacements(mesh, {0, 1, 2, 3})) {
+      for (const fea::NodeDisplacement& one : own) {
+        double least = 1;
+        for (const model::Joint& joint : model.joints) {
+          const Vector3& corner = model.tiles[joint.a.tile].vertices[joint.a.vertex];
+          least = std::min(least, (mesh.nodes[one.node] - corner).head<2>().norm());
+        }
+        EXPECT_GT(least, 0.4);  // measured: 0.5; before it was the slit's end, 0.2
+      }
+    }
+  }
+}
+
+// Plane elements lie in the plane of the sheet, poses in the world.
+TEST(Drive, OfPlaneElementsIsTheSameInEveryPlane) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
+  const auto numbersOf = [](const Quaternion& turn) {
+    model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
+    fea::TileHistory history = openingOf(2, test::layoutOf(model.tiles, model.joints), 0);
+    for (model::Tile& tile : model.tiles) {
+      for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+    }
+    for (Poses& poses : history.poses) {
+      for (Pose& pose : poses) pose = {turn * pose.position, turn * pose.rotation};
+    }
+    fea::DeckSettings settings;
+    settings.drive = {fea::DriveChoice::Edge, {}};
+    const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02, planeNecks({.width = 0.2}));
+    const std::string text = fea::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history).text;
+    std::vector<double> numbers;
+    std::istringstream words(text.substr(text.find("*AMPLITUDE")));
+    for (std::string word; std::getline(words, word, ',');)
+      numbers.push_back(std::atof(word.c_str()));
+    return numbers;
+  };
+  const std::vector<double> flat = numbersOf(Quaternion::Identity());
+  for (const Vector3& turn : {Vector3(0.5 * std::numbers::pi, 0, 0), Vector3(0.3, 0, 0)}) {
+    EXPECT_THAT(numbersOf(rotationFromVector(turn)),
+                testing::Pointwise(testing::DoubleNear(1e-9), flat));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Deck, HingeMechanism,
