@@ -72,13 +72,14 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
     return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
                        mobility.unknowns);
   }
+  const bool hasMisfit = !mobility.areBounds && mobility.largestDropped > model::kClosedShare;
   return fmt::format(
       "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
-      "({}: least kept {}{:.2g}, largest dropped {}{:.2g})\n",
+      "({}: least kept {}{:.2g}, largest dropped {}{:.2g}{})\n",
       where, mobility.freedoms, mobility.freedoms == 1 ? "" : "s", mobility.redundant,
       mobility.equations, mobility.areBounds ? "bounds of singular values" : "singular values",
       mobility.areBounds ? ">= " : "", mobility.leastKept, mobility.areBounds ? "<= " : "",
-      mobility.largestDropped);
+      mobility.largestDropped, hasMisfit ? ": the misfit of its tiles, in tiles" : "");
 }
 
 /// One line for the state, followed by its overlaps and degrees of freedom, indented.

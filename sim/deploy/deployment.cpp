@@ -129,33 +129,16 @@ void requireMotion(const scene::Scene& scene, const path::PlannedPath& planned) 
       "(`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
-// Corners that fit only to a tolerance although all digits are given: designs from an optimiser.
-//
-// Tiles with a misfit form no exact mechanism. Redundant joints become independent. Singular values
-// of their Jacobian that should be zero are about the misfit, in tiles. The gap to the next larger
-// singular value identifies them.
-
-/// The misfit of the tiles of a model, metres. 0 if they fit exactly or it is unknown.
-double misfitOf(const scene::Scene& scene) {
-  constexpr double kExact = 1e-11;    // largest dropped singular value of an exact mechanism
-  constexpr double kMost = 1e-4;      // in tiles
-  constexpr double kGap = 30;         // ratio of the smallest kept to the largest dropped one
-  constexpr int kMostUnknowns = 900;  // above, singular values are only bounds
-  const bool isPlanar = scene::sceneNeeds(scene).planar.on;
-  const auto count = static_cast<int>(scene.model.tiles.size());
-  if (scene.model.rounding > 0 || (isPlanar ? 3 : 6) * count > kMostUnknowns) return 0;
-  const double tile = model::tileSize(scene.model);
-  model::Model model = scene.model;
-  for (double fit = 0; fit <= kMost * tile; fit = fit == 0 ? 1e-8 * tile : 10 * fit) {
-    model.rounding = fit;
-    const trajectory::Mobility found = trajectory::mobility(
-        model, model.tiles, isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
-        scene.brick.thickness);
-    if (found.leastKept < kGap * found.largestDropped) continue;
-    if (found.largestDropped > kExact) return found.largestDropped * tile;
-    if (found.leastKept > kMost) return 0;
-  }
-  return 0;
+/// The misfit of tiles whose corners coincide but whose redundant joints do not hold exactly, as in
+/// designs from an optimiser; metres. 0 if they do, or if it is unknown.
+double mechanismMisfit(const scene::Scene& scene) {
+  if (scene.model.rounding > 0) return 0;
+  const trajectory::Mobility found = trajectory::mobility(
+      scene.model, scene.model.tiles,
+      scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
+      scene.brick.thickness);
+  if (found.areBounds || found.largestDropped <= model::kClosedShare) return 0;
+  return found.largestDropped * model::tileSize(scene.model);
 }
 
 /// The path to full extension. Tiles with a misfit keep that tolerance, unless exact joints lead
@@ -164,7 +147,7 @@ void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
             Search& found) {
   constexpr double kShorter = 0.98;
   found.planned = path::planExtension(scene, budget, watch);
-  const double misfit = misfitOf(scene);
+  const double misfit = mechanismMisfit(scene);
   if (misfit == 0) return;
   scene::Scene loose = scene;
   loose.model.rounding = misfit;

@@ -1,7 +1,5 @@
 // Mobility of flat sheets in the plane and in space: the rank of the joints' Jacobian at the start.
-// A sheet with a misfit may seem locked, because its redundant joints are independent if all digits
-// count. Such a sheet is not counted here. Its misfit shows as a least singular value that is small
-// but not zero.
+// A sheet whose rank is uncertain is not counted: a misfit of its tiles could explain it.
 #include "sim/deploy/plane_motion.h"
 
 #include <algorithm>

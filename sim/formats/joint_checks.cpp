@@ -83,14 +83,13 @@ double startGap(const model::Model& model, const model::Joint& joint) {
 }
 
 double misfitOf(const model::Model& model) {
-  constexpr double kExact = 1e-9;  // in tiles
   const double tile = model::tileSize(model);
   const auto gapOf = [&](const std::vector<model::Tile>& tiles) {
     const double gap = model::largestJointGap(model.joints, tiles);
-    return gap > kMostMisfit * tile ? 0 : gap;
+    return gap > model::kMostMisfit * tile ? 0 : gap;
   };
   const double misfit = std::max(gapOf(model.tiles), model.target ? gapOf(*model.target) : 0);
-  return misfit > kExact * tile ? misfit : 0;
+  return misfit > model::kClosedShare * tile ? misfit : 0;
 }
 
 bool namesExistingCorners(const JointTable& table, const std::vector<model::Tile>& tiles,

@@ -59,12 +59,10 @@ void checkClosed(const JointTable& table, model::Model& model, const TileTable& 
 double startGap(const model::Model& model, const model::Joint& joint);
 
 /// How closely corners fit in designs with all their digits: the largest gap of a pivot at the
-/// start and, if the model has one, at the target, metres. Gaps above kMostMisfit of a tile are not
-/// a misfit: a run closes them, and a target that has them is open. 0 if corners fit exactly.
+/// start and, if the model has one, at the target, metres. Gaps above model::kMostMisfit of a tile
+/// are not a misfit: a run closes them, and a target that has them is open. 0 if corners fit
+/// exactly.
 double misfitOf(const model::Model& model);
-
-/// Largest misfit of corners that count as one point, in tiles.
-inline constexpr double kMostMisfit = 1e-4;
 
 /// Reports that a joints file is empty, without even a comment: its tiles are not connected.
 void noteNoJoints(const std::filesystem::path& file, model::Model& model,

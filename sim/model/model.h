@@ -173,6 +173,12 @@ struct Model {
   std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if any
 };
 
+/// Joints with gaps below this fraction of a tile are closed. Tiles with such misfits fit exactly.
+inline constexpr double kClosedShare = 1e-10;
+
+/// Largest misfit of the corners or joints of tiles that count as fitting, in tiles.
+inline constexpr double kMostMisfit = 1e-4;
+
 /// Multiplies all lengths of the model by a factor > 0.
 void scaleLengths(Model& model, double factor);
 

@@ -544,7 +544,7 @@ class Planner {
     found.evaluation.error = found.path.error;
     found.evaluation.end = endOf(found.path);
     evaluate(scene_, found);
-    if (!found.path.isRounded && found.evaluation.opening <= run::kExactShare * tile_) {
+    if (!found.path.isRounded && found.evaluation.opening <= model::kClosedShare * tile_) {
       found.hasCompliantJoints = false;
     }
     return found;
@@ -561,7 +561,7 @@ class Planner {
         isRounded ? std::sqrt(run::roundedReach(scene_.model) * tile_) : kLastMove * tile_;
     if (run::farthestMove(path.states.back(), nearest_.poses, tile_) > reach) return;
     const double gap = trajectory::jointGap(pivots_, nearest_.poses).max;
-    if (!isRounded && gap > run::kExactShare * tile_) return;
+    if (!isRounded && gap > model::kClosedShare * tile_) return;
     const double grown = growthAt(path.states.back());
     if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, allowedGrowth())) return;
     path.lengths.push_back(path.length() +

@@ -254,8 +254,6 @@ AssembledState assembleAtTarget(const scene::Scene& scene,
 namespace {
 
 constexpr double kDigits = 10;
-// Exact joints close to this fraction of a tile. Finer digits make no difference.
-constexpr double kFinest = 1e-9;
 // Joints are softened by this factor, at most down to this stiffness.
 constexpr double kSofter = 10;
 constexpr double kSoftest = 10;
@@ -264,8 +262,8 @@ constexpr double kSoftest = 10;
 
 double roundedJointStiffness(const model::Model& model) {
   const double tile = model::tileSize(model);
-  return model.rounding > kFinest * tile ? kDigits * tile / model.rounding
-                                         : std::numeric_limits<double>::infinity();
+  return model.rounding > model::kClosedShare * tile ? kDigits * tile / model.rounding
+                                                     : std::numeric_limits<double>::infinity();
 }
 
 double roundedReach(const model::Model& model) {

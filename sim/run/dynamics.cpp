@@ -87,8 +87,6 @@ constexpr double kTilePart = 1e-5;
 constexpr double kThicknessPart = 2e-3;
 // Points of bricks touch below this fraction of the tolerance in time.
 constexpr double kTouchingPart = 0.1;
-// Joints with smaller gaps are closed, fraction of a tile.
-constexpr double kClosed = 1e-10;
 
 /// Whether the bricks of a planar scene press on the ground.
 bool liesOnGround(const scene::Scene& scene, const scene::Needs& needs) {
@@ -189,7 +187,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
 // Leaves a state that cannot be closed unchanged.
 bool DirectDynamics::assemble(Poses& poses) {
   Poses closed = poses;
-  if (solver_->assemble(closed) > kClosed * tileSize_) return false;
+  if (solver_->assemble(closed) > model::kClosedShare * tileSize_) return false;
   poses = std::move(closed);
   return true;
 }

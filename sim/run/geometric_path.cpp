@@ -208,7 +208,7 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
 
 bool StatesBetween::isOpen(const Poses& state) const {
   return found_.hasCompliantJoints &&
-         trajectory::jointGap(pivots_, state).max > kExactShare * tile_;
+         trajectory::jointGap(pivots_, state).max > model::kClosedShare * tile_;
 }
 
 // The cubic through the four surrounding states (Lagrange). Linear interpolation would open the
@@ -246,8 +246,8 @@ void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
   }
 }
 
-// Joints that are closed in both states are closed again. Open compliant joints need not close:
-// only the symmetry is restored.
+// Joints that are closed in both states are closed again, or nearly, if tiles have a misfit. Open
+// compliant joints need not close: only the symmetry is restored.
 Poses StatesBetween::at(std::size_t state, double share) {
   const Poses& from = found_.path.states[state - 1];
   const Poses& to = found_.path.states[state];
@@ -257,7 +257,7 @@ Poses StatesBetween::at(std::size_t state, double share) {
     if (found_.path.isRounded) keepIfMoreClosed(smoothAt(state, share), poses);
     return model::symmetricMean(poses, found_.path.symmetries);
   }
-  closeInPlace(poses, *projection_);
+  if (!closeInPlace(poses, *projection_)) keepIfMoreClosed(smoothAt(state, share), poses);
   symmetries_.restore(poses, *projection_);
   return poses;
 }

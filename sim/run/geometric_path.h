@@ -23,9 +23,6 @@ struct GeometricPath {
   bool hasCompliantJoints = false;  ///< joints may open along the path
 };
 
-/// Joints with smaller gaps, in tiles, are closed.
-inline constexpr double kExactShare = 1e-10;
-
 /// Whether a path has the minimum length of an extension.
 bool isExtension(const scene::Scene& scene, const MechanismPath& path);
 

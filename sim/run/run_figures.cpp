@@ -12,8 +12,6 @@
 namespace kirireel::run {
 namespace {
 
-// Joints with gaps below this fraction of a tile are closed.
-constexpr double kClosedShare = 1e-9;
 // Larger than any depth, for figures that are not requested, metres.
 constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
 // Marks a state that does not belong to the run.
@@ -114,7 +112,7 @@ void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointG
     accuracy_.targetErrorMin = error;
     keepState(nameOfField(&Accuracy::targetErrorMin), state);
   }
-  if (gap.max <= kClosedShare * tileSize_ && error < assembledError_) {
+  if (gap.max <= model::kClosedShare * tileSize_ && error < assembledError_) {
     assembledError_ = error;
     keepState(kAssembledError, state);
   }
@@ -125,12 +123,12 @@ double RunFigures::targetErrorOf(const Poses& poses) const {
 }
 
 bool RunFigures::areClosed(const Poses& poses) const {
-  return trajectory::jointGap(pivots_, poses).max <= kClosedShare * tileSize_;
+  return trajectory::jointGap(pivots_, poses).max <= model::kClosedShare * tileSize_;
 }
 
 // At both ends of the last step.
 bool RunFigures::wereClosed() const {
-  return std::max(gaps_.before, gaps_.now) <= kClosedShare * tileSize_;
+  return std::max(gaps_.before, gaps_.now) <= model::kClosedShare * tileSize_;
 }
 
 // A sample takes the records of the steps up to its time. Later records wait. Overlaps may be

@@ -13,8 +13,6 @@
 namespace kirireel::run {
 namespace {
 
-/// Joints count as closed below this fraction of a tile, as in a run's figures.
-constexpr double kClosedJoints = 1e-9;
 /// Closing moves the bricks by less than this fraction of the distance between the samples. A
 /// larger move indicates another branch of the mechanism.
 constexpr double kMostClosing = 0.5;
@@ -56,7 +54,7 @@ StateInterpolator::StateInterpolator(const model::Model& model,
 
 // Samples of compliant joints are open. Their joints are not closed between samples.
 bool StateInterpolator::areClosed(const Poses& poses) const {
-  return trajectory::jointGap(pivots_, poses).max <= kClosedJoints * tileSize_;
+  return trajectory::jointGap(pivots_, poses).max <= model::kClosedShare * tileSize_;
 }
 
 void StateInterpolator::setPinned(const std::vector<int>& tiles) {
@@ -85,7 +83,7 @@ Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, doubl
   const double gap = solverFor(from, to).assemble(closed);
   const double distance = pathDistance(bricks_, from, to);
   const double moved = pathDistance(bricks_, straight, closed);
-  if (gap <= kClosedJoints * tileSize_ && moved <= kMostClosing * distance) return closed;
+  if (gap <= model::kClosedShare * tileSize_ && moved <= kMostClosing * distance) return closed;
   return share < 0.5 ? from : to;
 }
 
@@ -116,7 +114,7 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
     setPinned({});
     double gap = 0;
     for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
-    if (gap > kClosedJoints * tileSize_) closed = straight;
+    if (gap > model::kClosedShare * tileSize_) closed = straight;
   }
   return momentsThrough(from, closed, to);
 }

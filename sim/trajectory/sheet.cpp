@@ -234,6 +234,16 @@ double leastCornerSine(const std::vector<model::Tile>& tiles) {
 // Int. J. Solids Struct. 14, 1978). It holds to first order: a freedom may be infinitesimal,
 // without a finite motion, as in the closed state of these sheets.
 //
+// A hinge holds the two pivots at the bottom and at the top of its edge. The equations of the top
+// are those of its motion relative to the bottom, in units of the thickness t:
+//   d . (w_A x n_A - w_B x n_B) = 0
+// so that singular values do not depend on t.
+//
+// Tiles of a rounded or optimised design fit each other only to a misfit e. Redundant equations
+// then have singular values of about e, in tiles, instead of zero, and the design would count as
+// locked. The rank is therefore counted at the highest gap of the spectrum whose lower side is
+// a possible misfit: a factor of kGap without a singular value.
+//
 // Small sheets use a dense singular value decomposition. For large ones, the number of eigenvalues
 // of J^T J below s^2 is the number of negative pivots of J^T J - s^2 1 = L D L^T (Sylvester's law
 // of inertia). This costs a sparse factorisation per s and gives the singular values to within a
@@ -246,6 +256,8 @@ using Sparse = Eigen::SparseMatrix<double>;
 // Singular values above this fraction of the largest count. Observed zeros: 1e-15; smallest others:
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
+// A gap in the spectrum. Observed with misfits of 1e-9 to 1e-5 tiles: 5e3 and more.
+constexpr double kGap = 30;
 // A dense decomposition costs O(n^3).
 constexpr int kMostDenseUnknowns = 900;
 constexpr int kMostUnknowns = 60'000;
@@ -258,7 +270,8 @@ class JointJacobian {
       : state_(state), planar_(freedom == Freedom::Plane), size_(model::tileSize(model)) {
     for (const model::Tile& tile : state) {
       centres_.push_back(model::tileCentroid(tile));
-      rises_.push_back(thickness * model::tileNormal(tile));
+      normals_.push_back(model::tileNormal(tile));
+      rises_.push_back(thickness * normals_.back());
     }
     for (const model::Joint& joint : model.joints) addJoint(joint);
   }
@@ -286,16 +299,24 @@ class JointJacobian {
       return;
     }
     if (joint.kind == model::JointKind::Fixed) return addFixed(joint);
-    const bool both = joint.face == model::JointFace::Both;
-    if (joint.face != model::JointFace::Top) addPivot(joint, false);
+    addPivot(joint, joint.face == model::JointFace::Top);
     // In the plane the upper pivot of a hinge is redundant.
-    if (joint.face == model::JointFace::Top || (both && !planar_)) addPivot(joint, true);
+    if (joint.face == model::JointFace::Both && !planar_) addHinge(joint);
   }
 
   // One row for each axis.
   void addPivot(const model::Joint& joint, bool top) {
     for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
       addDirection(joint, place(joint.a, top), place(joint.b, top), Vector3::Unit(axis));
+    }
+  }
+
+  /// The motion of the top relative to the bottom: d . (w_A x n_A - w_B x n_B) = 0.
+  void addHinge(const model::Joint& joint) {
+    for (int axis = 0; axis < 3; ++axis) {
+      addRotation(joint.a.tile, normals_[joint.a.tile].cross(Vector3::Unit(axis)));
+      addRotation(joint.b.tile, -normals_[joint.b.tile].cross(Vector3::Unit(axis)));
+      ++rows_;
     }
   }
 
@@ -343,6 +364,7 @@ class JointJacobian {
   bool planar_;
   double size_;
   std::vector<Vector3> centres_;
+  std::vector<Vector3> normals_;
   std::vector<Vector3> rises_;
   int rows_ = 0;
   std::vector<Eigen::Triplet<double>> entries_;
@@ -350,15 +372,18 @@ class JointJacobian {
 
 /// `floor`: upper limit of singular values that are zero except for rounding.
 void countDense(const Sparse& jacobian, double floor, Mobility& result) {
-  const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));
-  for (const double value : values) {
-    const bool counts = value > std::max(floor, kCounts * values[0]);
-    result.rank += counts ? 1 : 0;
-    (counts ? result.leastKept : result.largestDropped) = value;
-    // The values are sorted in falling order: the first that does not count is the largest of
-    // those.
-    if (!counts) break;
+  const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));  // falling
+  floor = std::max(floor, kCounts * values[0]);
+  const auto dropped = [&](Eigen::Index k) { return k < values.size() ? values[k] : 0; };
+  while (result.rank < values.size() && values[result.rank] > floor) {
+    if (dropped(result.rank) <= model::kMostMisfit && result.rank > 0 &&
+        values[result.rank - 1] > kGap * values[result.rank]) {
+      break;
+    }
+    ++result.rank;
   }
+  result.leastKept = result.rank > 0 ? values[result.rank - 1] : 0;
+  result.largestDropped = dropped(result.rank);
 }
 
 /// Counts the eigenvalues of J^T J below a square, by the signs of the pivots of J^T J - s^2.
@@ -386,7 +411,6 @@ class SignCounter {
 // Uses the signs of pivots, which bound singular values by powers of ten.
 void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
-  // Row sums bound the largest eigenvalue.
   // Gershgorin's circles: no eigenvalue is larger than the largest sum of absolute values in a row.
   double bound = 0;
   for (Eigen::Index column = 0; column < square.outerSize(); ++column) {
@@ -396,8 +420,15 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
     bound = std::max(bound, sum);
   }
   SignCounter counter(square);
-  const double threshold = std::max(floor, kCounts * std::sqrt(bound));
-  const int dropped = counter.below(threshold);
+  double threshold = std::max(floor, kCounts * std::sqrt(bound));
+  int dropped = counter.below(threshold);
+  for (double misfit = model::kMostMisfit; misfit > threshold; misfit /= 10) {
+    const int below = counter.below(misfit);
+    if (counter.below(kGap * misfit) > below) continue;
+    if (below > dropped) threshold = misfit;
+    dropped = below;
+    break;
+  }
   result.areBounds = true;
   result.rank = result.unknowns - dropped;
   result.largestDropped = dropped > 0 ? threshold : 0;

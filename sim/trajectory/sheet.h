@@ -49,12 +49,9 @@ struct Mobility {
   /// unknown.
   bool areBounds = false;
 
-  /// Whether the rank also holds for tiles that fit each other only to a misfit: their redundant
-  /// joints have singular values of about the misfit, in tiles.
-  bool isCertain() const { return isCounted && (rank == 0 || leastKept > kCertain); }
-
- private:
-  static constexpr double kCertain = 1e-4;  // larger than misfits, in tiles
+  /// Whether no singular value that counts could be that of a redundant joint of tiles with a
+  /// misfit.
+  bool isCertain() const { return isCounted && (rank == 0 || leastKept > model::kMostMisfit); }
 };
 
 /// The space in which tiles may move.
@@ -70,11 +67,12 @@ double zeroSingularValue(const model::Model& model);
 /// The mobility of the model's joints with its tiles in the given state, for bricks of this
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes,
 /// which makes singular values plain numbers. Those above 1e-6 of the largest and above
-/// zeroSingularValue() count. Up to 900 unknowns use a dense singular value decomposition. Above,
-/// it counts the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), which bounds singular
-/// values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not
-/// counted: that takes minutes. For rank and freedom of links, fixed joints and pivots alike.
-/// Throws Interrupted if the scope allows interruption.
+/// zeroSingularValue() count, but not those below a gap of the spectrum that a misfit of the tiles
+/// explains: largestDropped is then about the misfit, in tiles. Up to 900 unknowns use a dense
+/// singular value decomposition. Above, it counts the pivots' signs of J^T J - s^2 (Sylvester's law
+/// of inertia), which bounds singular values by powers of ten. More than 60,000 unknowns, as of
+/// 10,000 tiles in space, are not counted: that takes minutes. For rank and freedom of links, fixed
+/// joints and pivots alike. Throws Interrupted if the scope allows interruption.
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness);
 
