@@ -81,6 +81,7 @@ struct ExportFormat {
   std::vector<ExportFile> files;
   /// Throws if the format does not support the model in any run; null: it supports all models.
   void (*require)(const model::Model&, const ExportSettings&) = nullptr;
+  bool hasOwnUnit = false;  ///< ignores ExportSettings::unit
 };
 
 /// All formats, in the order of the help.
@@ -110,6 +111,16 @@ void requireStart(const ExportSettings& settings) {
       fmt::format("error: --states {} has no effect, because a sheet with necks has only the "
                   "start. Remove --states or choose other --joints",
                   *later));
+}
+
+/// Some formats have a unit of their own.
+void requireUnitUse(const ExportSettings& settings) {
+  const auto hasOwnUnit = [](const std::string& name) { return exportFormat(name).hasOwnUnit; };
+  if (!settings.unit || settings.formats.empty()) return;
+  if (!std::ranges::all_of(settings.formats, hasOwnUnit)) return;
+  throw InputError(fmt::format(
+      "error: --export-unit has no effect on {}. Remove --export-unit, or set --deck-unit for inp",
+      fmt::join(settings.formats, " and ")));
 }
 
 void requireDifferent(const std::vector<std::string>& formats) {
@@ -233,6 +244,7 @@ class Exporter {
         states_(chooseStates(trajectory, settings.states)),
         files_(files) {
     requireStart(settings_);
+    requireUnitUse(settings_);
     requireLaterSamples();
     requireMap();
   }
@@ -542,7 +554,9 @@ ExportFormat deckFormat() {
            {.name = kMapFile,
             .isRequested = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
            {.name = kPeriodicFile, .isRequested = isPeriodic},
-           {.name = kPeriodicMesh, .isRequested = isPeriodic}}};
+           {.name = kPeriodicMesh, .isRequested = isPeriodic}},
+          nullptr,
+          true};
 }
 
 using Path = std::filesystem::path;
@@ -593,7 +607,9 @@ const std::vector<ExportFormat>& exportFormats() {
       {"ply", {{".ply", writeSurface}}},
       {"stl", {{.name = ".stl", .writeState = writeSurface, .writeNecks = writeNeckStl}}},
       // The same as solids for CAD programs, in millimetres.
-      {"step", {{.name = ".step", .writeState = writeBrickStep, .writeNecks = writeNeckStep}}},
+      {.name = "step",
+       .files = {{.name = ".step", .writeState = writeBrickStep, .writeNecks = writeNeckStep}},
+       .hasOwnUnit = true},
       // The bottoms of bricks, which are the tiles: polygons as in PyKirigami; as vertices.txt.
       {"planar", {{"_planar.obj", writePlanarObj}}},
       {"vertices", {{"_vertices.txt", writeVertices}}},
@@ -603,10 +619,13 @@ const std::vector<ExportFormat>& exportFormats() {
       // ParaView, with measures as fields.
       {"vtu", {{".vtu", writeVtu}, ofDeployment("deployment.pvd", writePvd)}},
       // The whole deployment: animated; the states as frames of a FOLD file.
-      {"glb", {ofDeployment("deployment.glb", writeGlb)}},
+      {.name = "glb", .files = {ofDeployment("deployment.glb", writeGlb)}, .hasOwnUnit = true},
       {"fold", {ofDeployment("deployment.fold", writeFold)}},
       // Cut pattern of the start.
-      {"svg", {ofDeployment("cut_pattern.svg", writeSvg)}, requirePattern},
+      {.name = "svg",
+       .files = {ofDeployment("cut_pattern.svg", writeSvg)},
+       .require = requirePattern,
+       .hasOwnUnit = true},
       {"dxf", {ofDeployment("cut_pattern.dxf", writeDxf)}, requirePattern}};
   return formats;
 }
@@ -755,6 +774,7 @@ void requireExportable(const model::Model& model, const brick::BrickRule& rule,
   fea::requireValidRule(settings.elements);
   fea::requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
   requireStart(settings);
+  requireUnitUse(settings);
   // Checks everything that depends only on the start before the run, including necks.
   for (const std::string& name : settings.formats) {
     const ExportFormat& format = exportFormat(name);

@@ -297,6 +297,24 @@ TEST(ExportWarnings, TellOfThinAndSharpTilesOfSheetsWithNecks) {
   EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre(HasSubstr("by 13 to 237%")));
 }
 
+TEST(ExportUnit, IsRefusedIfNoFormatUsesIt) {
+  const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
+  exports::ExportSettings settings;
+  settings.unit = millimetre();
+  for (const std::string& format : exports::exportFormatNames()) {
+    settings.formats = {format};
+    const bool isIgnored =
+        format == "step" || format == "inp" || format == "glb" || format == "svg";
+    const std::string refusal =
+        test::refusalOf([&] { exports::requireExportable(model, {}, settings); });
+    EXPECT_EQ(refusal, isIgnored ? "error: --export-unit has no effect on " + format +
+                                       ". Remove --export-unit, or set --deck-unit for inp"
+                                 : "accepted");
+  }
+  settings.formats = {"step", "stl"};
+  EXPECT_NO_THROW(exports::requireExportable(model, {}, settings));
+}
+
 TEST(ExportedNecks, AreNotTooNarrowForTheirSheet) {
   model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   model.unit = millimetre();

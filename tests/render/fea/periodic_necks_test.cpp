@@ -13,10 +13,12 @@
 #include "render/fea/job.h"
 #include "render/fea/neck_solid.h"
 #include "render/fea/outside_program.h"
+#include "sim/base/files.h"
 #include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
 #include "sim/generate/lattice.h"
 #include "tests/render/fea/run_deck.h"
+#include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
 
@@ -274,6 +276,19 @@ TEST(NeckSolid, SlitsAroundReflexCornersAreApart) {
   }
 }
 
+/// The volume of the only solid in a STEP file, cubic millimetres, by Gmsh.
+double volumeByGmsh(const std::string& step) {
+  const test::TemporaryFolder folder;
+  writeTextFile(folder / "x.step", step);
+  writeTextFile(folder / "x.geo",
+                "SetFactory(\"OpenCASCADE\");\nv[] = ShapeFromFile(\"x.step\");\n"
+                "Printf(\"VOLUME %.16g\", Mass Volume{v[0]});\n");
+  const std::string printed =
+      test::outputOf("cd '" + folder.path().string() + "' && gmsh x.geo -parse_and_exit -v 4 2>&1");
+  const std::size_t at = printed.find("VOLUME ");
+  return at == std::string::npos ? 0 : std::atof(printed.c_str() + at + 7);
+}
+
 TEST(NeckSolid, IsOneSolidOfCadPrograms) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to write STEP files";
   const model::Model model = generate::makeTessellation(test::squares(3, 3, 0));
@@ -283,6 +298,12 @@ TEST(NeckSolid, IsOneSolidOfCadPrograms) {
     EXPECT_EQ(countOf(step, "MANIFOLD_SOLID_BREP"), 1U);
     EXPECT_THAT(step, HasSubstr("SI_UNIT(.MILLI.,.METRE.)"));
     EXPECT_EQ(step, fea::neckSheetStep(model, neck, 0.02));  // to the byte
+    // The area as in IsClosedAndHasTheVolumeOfItsOutline; banks of shut slits are apart.
+    const double area =
+        neck.kerf > 0 ? 9 * 0.99 * 0.99 + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05) : 9;
+    EXPECT_NEAR(volumeByGmsh(step) / (0.02e9 * area), 1, neck.kerf > 0 ? 1e-12 : 2e-6);
+    // Each edge bounds two faces, in both directions.
+    EXPECT_EQ(2 * countOf(step, "= EDGE_CURVE"), countOf(step, "= ORIENTED_EDGE"));
   }
   const test::Layout layout = test::hingedSquares();
   const std::string bricks = fea::brickStep(layout.bricks, layout.poses);
