@@ -317,19 +317,24 @@ class SheetMaker {
 
   /// The half edge of the neck that arrives at its joint.
   std::optional<int> arriving(const Arrangement& whole, const CutNeck& neck) const {
-    const std::optional<int> node = whole.nodeAt(neck.joint);
-    if (!node) return std::nullopt;
-    const CutRay& ray = rays_[neck.ray];
-    const Vector2 back = (ray.from - neck.joint).normalized();
-    std::optional<int> best;
-    double nearest = std::cos(0.2);
-    for (const int half : whole.leaving(*node)) {
-      const double turn = (whole.at(whole.to(half)) - whole.at(*node)).normalized().dot(back);
-      if (turn <= nearest) continue;
-      nearest = turn;
-      best = half ^ 1;
+    std::optional<int> last;
+    for (int node = *whole.nodeAt(rays_[neck.ray].from);;) {
+      // Several nodes may be near the joint, so it follows the neck.
+      const Vector2 rest = neck.joint - whole.at(node);
+      if (last && rest.norm() <= 2 * tolerance_) return last;
+      std::optional<int> next;
+      double straightest = std::cos(0.2);
+      for (const int half : whole.leaving(node)) {
+        const Vector2 step = whole.at(whole.to(half)) - whole.at(node);
+        const double turn = step.dot(rest) / (step.norm() * rest.norm());
+        if (turn <= straightest || (rest - step).norm() >= rest.norm()) continue;
+        straightest = turn;
+        next = half;
+      }
+      if (!next) return std::nullopt;
+      last = next;
+      node = whole.to(*next);
     }
-    return best;
   }
 
   void addJoints(const Arrangement& whole) {

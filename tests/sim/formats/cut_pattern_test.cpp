@@ -13,6 +13,7 @@
 
 #include "sim/base/error.h"
 #include "sim/formats/read_model.h"
+#include "sim/generate/families.h"
 #include "tests/support/files.h"
 
 namespace kirireel::formats {
@@ -242,6 +243,59 @@ TEST(CutPatterns, SlotsOfWholeNumbersKeepTheirWidth) {
       const Reading reading = read("a.svg", page(text));
       expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-6);
       EXPECT_THAT(reading.note, HasSubstr("slots 2 mm"));
+    }
+  }
+}
+
+/// A closed sheet of tiles with whole common edges, as slots that stop short of its joints.
+std::string slotsOf(const model::Model& model, double kerf, const Eigen::Affine2d& move,
+                    const std::function<double()>& neck) {
+  const auto at = [&](int tile, std::size_t k) {
+    const std::vector<Vector3>& corners = model.tiles[tile].vertices;
+    return Point(corners[k % corners.size()].head<2>());
+  };
+  std::string text;
+  for (int i = 0; i < std::ssize(model.tiles); ++i) {
+    for (std::size_t k = 0; k < model.tiles[i].vertices.size(); ++k) {
+      Point ends[2] = {at(i, k), at(i, k + 1)};
+      int neighbour = -1;
+      for (int j = 0; j < std::ssize(model.tiles); ++j) {
+        for (std::size_t m = 0; m < model.tiles[j].vertices.size(); ++m) {
+          const double apart = (at(j, m) - ends[1]).norm() + (at(j, m + 1) - ends[0]).norm();
+          if (j != i && apart < 1e-9) neighbour = j;
+        }
+      }
+      if (neighbour < 0) text += path(move * ends[0], move * ends[1], 6);
+      if (neighbour <= i) continue;
+      const Point along = (move * ends[1] - move * ends[0]).normalized();
+      Line slot(move * ends[0], move * ends[1]);
+      for (const model::Joint& joint : model.joints) {
+        if (std::minmax(joint.a.tile, joint.b.tile) != std::minmax(i, neighbour)) continue;
+        const Point place = at(joint.a.tile, joint.a.vertex);
+        if ((place - ends[0]).norm() < 1e-9) slot.first += (neck() + kerf) * along;
+        if ((place - ends[1]).norm() < 1e-9) slot.second -= (neck() + kerf) * along;
+      }
+      text += closedPath(stadium(slot, kerf, 8), 6);
+    }
+  }
+  return text;
+}
+
+TEST(CutPatterns, SlotsOfFamiliesComeBack) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> angle(0, 6), kerf(0.05, 0.4), neck(0.1, 1.5);
+  for (const char* family : {"triangles", "hexagons", "tessellation", "quads"}) {
+    const model::Model drawn = generate::generateModel(generate::familyNamed(family), {});
+    for (int trial = 0; trial < 15; ++trial) {
+      const Eigen::Affine2d move(Eigen::Translation2d(150, 150) *
+                                 Eigen::Rotation2Dd(angle(random)) *
+                                 Eigen::Scaling(20 / model::tileSize(drawn)));
+      const std::string text = slotsOf(drawn, kerf(random), move, [&] { return neck(random); });
+      const Reading reading = read("a.svg", page(text));
+      SCOPED_TRACE(fmt::format("{} {}", family, trial));
+      EXPECT_EQ(reading.refusal, "");
+      EXPECT_EQ(reading.model.tiles.size(), drawn.tiles.size());
+      EXPECT_EQ(reading.model.joints.size(), drawn.joints.size());
     }
   }
 }
