@@ -625,13 +625,21 @@ class CutPatternReader {
   int takeThinSlots(const std::vector<const DrawnPath*>& paths,
                     std::deque<DrawnPath>& lines) const {
     std::vector<const DrawnPath*> open;
-    const auto rings = closedRings(paths, tolerance_, open);
-    int count = 0;
-    for (const std::vector<Vector2>& ring : rings) {
-      DrawnPath outline = *paths.front();
+    std::vector<DrawnPath> outlines;
+    for (const std::vector<Vector2>& ring : closedRings(paths, tolerance_, open)) {
+      DrawnPath& outline = outlines.emplace_back(*paths.front());
       outline.points = ring;
       outline.isClosed = true;
-      const std::optional<DrawnPath> middle = middleOfThin(outline, thinWidth());
+    }
+    const auto isThin = [&](const DrawnPath& outline) {
+      return middleOfThin(outline, thinWidth()).has_value();
+    };
+    if (std::ranges::none_of(outlines, isThin)) return 0;
+    // Widths of equal slots differ by the rounding of both sides.
+    const double widest = thinWidth() + 2 * drawing_.rounding;
+    int count = 0;
+    for (const DrawnPath& outline : outlines) {
+      const std::optional<DrawnPath> middle = middleOfThin(outline, widest);
       count += middle ? 1 : 0;
       lines.push_back(middle.value_or(outline));
     }

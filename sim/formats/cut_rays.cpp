@@ -232,7 +232,8 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
     }
     // Material ends at a slot, or at the stop.
     if (isWithin(border, ray.from + (ray.stop - tolerance) * ray.along)) end = ray.stop;
-    ray.isJoined = kerf > 0 && (first == kNever || end - first <= tolerance);
+    // Rounding of both borders leaves slivers.
+    ray.isJoined = kerf > 0 && (first == kNever || end - first <= 3 * tolerance);
     ray.tip = ray.isJoined ? 0 : kerf > 0 ? first : last;
   }
 }

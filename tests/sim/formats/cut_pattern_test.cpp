@@ -200,7 +200,7 @@ TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
   const SlitGrid grid(4, [] { return 1.2; });
   for (const int digits : {1, 2, 3}) {
     const double digit = std::pow(10.0, -digits);
-    for (const double kerf : {0.1, 1 / 3.0, 0.6, 1.0, 1.5, 2.0, 3.0}) {
+    for (const double kerf : {0.1, 1 / 3.0, 0.6, 1.0, 1.5, 2.0, 3.0, 5.4}) {
       for (const int pieces : {1, 8}) {
         const Eigen::Affine2d move(Eigen::Translation2d(150, 100) *
                                    Eigen::Rotation2Dd(angle(random)));
