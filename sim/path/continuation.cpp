@@ -66,7 +66,8 @@ constexpr int kMovesAState = 4;
 constexpr int kMovesAtGoal = 300;
 // Maximum number of moves towards the goal before compliant joints close.
 constexpr int kMovesToSettle = 60;
-// A move longer than this many states of the guide is repeated with a smaller fraction.
+// A move longer than this many states of the guide is repeated with a smaller fraction. A longer
+// way to one state of the guide is kept in all its moves.
 constexpr double kLongestMove = 3;
 // A move shorter than this fraction of a state is the last one towards its guide state.
 constexpr double kShortMove = 0.05;
@@ -441,11 +442,13 @@ class Continuation {
       progress_ = std::min(1.0, progress_ + advance);
       const double expected = advance * path_.guideLength;
       const double before = path_.length();
+      const std::size_t first = path_.states.size();
       const Poses place = guide.at(progress_);
       for (int i = 0; i < kMovesAState && mayContinue(); ++i) {
         if (moveTowards(place) < kShortMove * expected) break;
       }
       still = path_.length() - before < kShortMove * expected ? still + 1 : 0;
+      omitCorrections(first);
       // Compliant joints may resist their guide for many states before they open.
       path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
     }
@@ -457,6 +460,18 @@ class Continuation {
     }
     goTo(guide.end());
     if (isRounded()) soften(guide.end());
+  }
+
+  /// Removes the states from `first` to the last but one, which lead to the point nearest to one
+  /// state of the guide: as part of the path they would make it zigzag. A longer way is kept.
+  void omitCorrections(std::size_t first) {
+    if (first + 1 >= path_.states.size()) return;
+    const double moved =
+        run::pathDistance(mechanism_.bricks(), path_.states[first - 1], path_.states.back());
+    if (moved > kLongestMove * stateLength_) return;
+    path_.states.resize(first);
+    path_.lengths.resize(first);
+    keep();
   }
 
   // Moves towards the goal until the moves become negligible.

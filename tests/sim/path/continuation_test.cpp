@@ -71,6 +71,40 @@ TEST(Continuation, IsPlayedAtAnEvenPaceForItsTime) {
   EXPECT_LE(*most / *least, 1.1);  // measured: 1.02
 }
 
+/// The largest angle between the moves of all tiles together from one frame to the next, radians.
+double largestTurn(const scene::Scene& scene, const run::DeploymentResult& run) {
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  std::vector<Eigen::VectorXd> places;
+  for (const trajectory::Sample& sample : run.trajectory.samples) {
+    std::vector<double> place;
+    for (const model::Tile& tile : brick::bottomTiles(bricks, sample.poses)) {
+      for (const Vector3& v : tile.vertices) place.insert(place.end(), {v.x(), v.y(), v.z()});
+    }
+    places.push_back(Eigen::Map<Eigen::VectorXd>(place.data(), std::ssize(place)));
+  }
+  double most = 0;
+  for (std::size_t k = 2; k < places.size(); ++k) {
+    const Eigen::VectorXd come = places[k - 1] - places[k - 2], go = places[k] - places[k - 1];
+    most = std::max(most, std::acos(std::min(1.0, come.normalized().dot(go.normalized()))));
+  }
+  return most;
+}
+
+// Large sheets with one motion: the moves to the nearest point of each state of the guide rotated
+// the whole sheet back and forth, by 13 and 14 degrees from one frame to the next.
+TEST(Continuation, DoesNotZigzag) {
+  const std::pair<const char*, std::map<std::string, double>> sheets[] = {
+      {"square-to-disk", {{"half-size", 5}, {"start-angle", 122}, {"target-angle", 25}}},
+      {"stars", {{"columns", 50}, {"rows", 3}, {"start-angle", 120}, {"target-angle", 83}}}};
+  for (const auto& [family, values] : sheets) {
+    const scene::Scene scene =
+        sceneOf(generate::generateModel(generate::familyNamed(family), values));
+    const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(run.atTarget, true) << family;
+    EXPECT_LT(largestTurn(scene, run), 8 * kDegree) << family;  // measured: 2 and 6 degrees
+  }
+}
+
 /// The largest distance of any state of a run from its images under the symmetries of the model,
 /// metres.
 double asymmetryOf(const scene::Scene& scene, const run::DeploymentResult& run) {
