@@ -68,20 +68,22 @@ class InteriorPoint {
     }
   }
 
-  MatrixXd find() {
+  BandedSolution find() {
     y_ = MatrixXd::Zero(program_.gradient.rows(), program_.gradient.cols());
-    if (count_ == 0) return unconstrained();
+    if (count_ == 0) return {unconstrained(), 1};
     size_ = program_.priceScale;
     top_ = std::max(bounds_.abs().maxCoeff(), std::numeric_limits<double>::min());
     slack_ = (-bounds_).max(kFirst * top_);
     excess_ = ArrayXd::Constant(count_, kFirst * top_);
     multiplier_ = ArrayXd::Constant(count_, kFirst * size_);
     other_ = kPrice * size_ - multiplier_;
-    for (int i = 0; i < kMostSteps && !isSolved(); ++i) {
+    int steps = 0;
+    while (steps < kMostSteps && !isSolved()) {
       checkInterruption();
-      if (!step()) return {};
+      ++steps;
+      if (!step()) return {{}, steps};
     }
-    return y_;
+    return {y_, steps};
   }
 
  private:
@@ -228,7 +230,7 @@ MatrixXd BandedCholesky::solve(MatrixXd right) const {
   return right;
 }
 
-Eigen::MatrixXd solve(const BandedProgram& program) {
+BandedSolution solve(const BandedProgram& program) {
   return InteriorPoint(program).find();
 }
 

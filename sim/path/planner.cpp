@@ -274,12 +274,12 @@ constexpr double kSmoothTurn = 10 * kDegree;
 // Bricks with a larger overlap, as a fraction of a tile, are not pushed apart: another path is
 // needed.
 constexpr double kSmallOverlap = 0.1;
-// Smoothing may use this fraction of the budget.
+// Smoothing has a budget of its own: this fraction of the search's. One path may use half of it.
 constexpr double kSmoothingShare = 0.2;
 
 /// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
-/// it is smoother or no longer overlaps, and if its overlaps and openings do not exceed those of
-/// the found path beyond the tolerance. Returns the figures of the improved path, if there is one.
+/// it is smoother or no longer overlaps, without larger overlaps or openings that count. Returns
+/// the figures of the improved path, if there is one.
 std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::GeometricPath& found,
                                            run::SearchBudget& budget,
                                            const PathObserver& shouldContinue) {
@@ -288,7 +288,7 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   const double allowed = run::kClearShare * tile;
   const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
   if (isSmooth && before.overlapGrowth <= allowed && before.opening == 0) return std::nullopt;
-  run::SearchBudget part(std::min(budget.left(), kSmoothingShare * budget.all()));
+  run::SearchBudget part(std::min(budget.left(), 0.5 * budget.all()));
   run::GeometricPath better = found;
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
   const scene::ContactFilter contacts =
@@ -305,8 +305,8 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   after.work = part.spent();
   budget.spend(part.spent());
   const run::PathEvaluation improved = after;
-  // Joints with smaller gaps count as closed.
-  const double closed = found.path.isRounded ? 0 : run::kOpenJoints * tile;
+  // Smaller openings are equal, but tiles of rounded coordinates stay closed within the rounding.
+  const double closed = found.path.isRounded ? 0 : kOpeningStep * tile;
   const bool isFreed = before.overlapGrowth > allowed && after.overlapGrowth <= allowed;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
       after.opening <= std::max(before.opening, closed) &&
@@ -409,7 +409,7 @@ class Planner {
     if (isImproved_ || selected.evaluation.end != run::PathEnd::Arrived) return;
     const double before = selected.evaluation.overlapGrowth;
     const auto improved =
-        improve(scene_, selected, budget_, [&](double) { return report(kSmoothing); });
+        improve(scene_, selected, smoothing_, [&](double) { return report(kSmoothing); });
     if (improved) planned_.candidates.push_back(*improved);
     isImproved_ = isGood(selected) || !(selected.evaluation.overlapGrowth < before);
   }
@@ -420,6 +420,7 @@ class Planner {
     const auto states = static_cast<double>(planned_.path->path.states.size());
     const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
     budget_.limitByFirst(work, scene_.path.searchEffort);
+    smoothing_ = run::SearchBudget(kSmoothingShare * budget_.left());
   }
 
   bool isWorthTrying(const Candidate& candidate, bool isLast) {
@@ -606,6 +607,7 @@ class Planner {
   const run::AssembledState& nearest_;
   PathOrder order_;
   run::SearchBudget& budget_;
+  run::SearchBudget smoothing_;  // of the selected paths
   const run::TrialObserver& observer_;
   double tile_;  // metres
   std::vector<brick::Brick> bricks_;
@@ -683,7 +685,8 @@ PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
-  const auto improved = improve(scene, *planned.path, budget, [&](double) {
+  run::SearchBudget smoothing(2 * kSmoothingShare * budget.left());
+  const auto improved = improve(scene, *planned.path, smoothing, [&](double) {
     return !observer || observer({kSmoothing, budget.share()});
   });
   if (improved) planned.candidates.push_back(*improved);

@@ -20,6 +20,8 @@
 //    damping (Levenberg, Marquardt).
 //
 // The states are then interpolated by cubics at constant speed, closed and pushed apart again.
+// Parts that this leaves rough are improved again, with the states of the result. Where bricks
+// overlap between two states, the spacing is halved up to three times before such rounds.
 //
 // J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, 2006, chapter 18 (sequential
 // quadratic programming). N. Ratliff et al., CHOMP: gradient optimization techniques for efficient
@@ -31,6 +33,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/QR>
@@ -41,6 +44,7 @@
 #include "sim/path/near_gaps.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/mechanism_path.h"
+#include "sim/run/path_evaluation.h"
 #include "sim/run/state_interpolator.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
@@ -66,15 +70,20 @@ constexpr int kSmoothingTries = 24;       // maximum number of tried rounds
 constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller gain ends the rounds
 // A path is smooth enough if no brick's step changes by more than this fraction of the typical
 // step.
-constexpr double kSmoothEnough = 0.5;
-constexpr int kModes = 24;                       // maximum number of modes of openings
-constexpr double kWaves = 16;                    // an opening costs as much as a wave of equal size
-constexpr double kMargin = 0.1;                  // of gaps in the program
-constexpr double kPushMargin = 0.03;             // the same while bricks are pushed apart
-constexpr double kPointReach = 1e-2;             // of the points of a pair
-constexpr double kOverlap = 1e-5;                // overlap that is ignored
-constexpr double kFinalOverlap = 1e-5;           // the same in the result
-constexpr double kMostOverlap = 4 * kOverlap;    // limit for an accepted round
+constexpr double kSmoothEnough = 0.05;
+// Parts of the result with larger changes are improved again.
+constexpr double kRough = 0.25;
+constexpr std::size_t kRoughMargin = 10;       // states on both sides of a rough part of the result
+constexpr std::size_t kHalvedMargin = 5;       // the same where bricks overlap between states
+constexpr int kHalvings = 3;                   // of the spacing there
+constexpr int kModes = 24;                     // maximum number of modes of openings
+constexpr double kWaves = 16;                  // an opening costs as much as a wave of equal size
+constexpr double kMargin = 0.1;                // of gaps in the program
+constexpr double kPushMargin = 0.03;           // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;           // of the points of a pair
+constexpr double kOverlap = 1e-5;              // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;         // the same in the result
+constexpr double kMostOverlap = 4 * kOverlap;  // limit for an accepted round
 constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
 constexpr int kEarlyRounds = 4;
 constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
@@ -91,8 +100,8 @@ constexpr double kOpenOnPath =
     1e-9;                           // joints that are open by more on the found path are compliant
 constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
 constexpr double kRegular = 1e-12;  // added to J J', which redundant joints make singular
-// Multiplications in a program, over states times freedoms cubed: steps of a block factorisation.
-constexpr double kProgramCost = 80;
+// The budget must allow this many factorisations: about eight rounds.
+constexpr double kLeastFactorisations = 100;
 
 /// The joints of a sheet and their derivatives with respect to u. u stacks the displacement dx and
 /// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
@@ -244,16 +253,15 @@ class Smoothing {
   /// The improved states. Empty if there is no improvement.
   std::vector<Poses> find() {
     if (!prepare()) return {};
-    int taken = 0;
-    double damping = kFirstDamping;
-    for (int tries = kSmoothingTries; taken < kSmoothingRounds && !isOver();) {
-      const double before = energy_;
-      if (!round(damping, tries, taken)) break;
-      ++taken;
-      if (energy_ <= before && energy_ > (1 - kLeastRoundGain) * before) break;
-      if (isSmooth() && overlap_ <= kMostOverlap * tile_) break;
-    }
-    return taken > 0 ? interpolated() : std::vector<Poses>{};
+    bool isImproved = improve(0, count() - 1);
+    const bool isFree = overlap_ <= run::kClearShare * tile_;
+    sampleFinely();
+    for (const auto& [first, last] : roughParts()) isImproved = improve(first, last) || isImproved;
+    if (!isImproved) return {};
+    // Bricks that overlap in many states would need many others between them.
+    if (!isFree) return states_;
+    for (int level = 0; level < kHalvings && !isOver() && halveWhereOverlapping();) ++level;
+    return withInsertedStates();
   }
 
  private:
@@ -261,7 +269,13 @@ class Smoothing {
   bool isOver() const { return budget_.isSpent() || (shouldContinue_ && !shouldContinue_(1)); }
 
   std::size_t count() const { return states_.size(); }
+  /// The number of states that a round moves.
+  std::size_t moving() const { return last_ - first_ - 1; }
   int freedoms() const { return free_ + static_cast<int>(modes_.cols()); }
+  /// The work of a factorisation for a number of states.
+  double factorisationCost(std::size_t states) const {
+    return kFactorisationCost * static_cast<double>(states) * std::pow(freedoms(), 3);
+  }
 
   /// Samples the found path at constant speed, and computes the modes of its joint openings.
   void takeStates(const scene::Scene& scene) {
@@ -334,7 +348,7 @@ class Smoothing {
       from = i;
     }
     free_ = static_cast<int>(least->cols());
-    const double cost = kProgramCost * static_cast<double>(count()) * std::pow(freedoms(), 3);
+    const double cost = kLeastFactorisations * factorisationCost(count());
     // A single motion has one curve, which cannot be smoother.
     const int rigid = isPlanar_ ? 3 : 6;
     if (freedoms() < 2 + rigid || cost > budget_.left()) return false;
@@ -349,7 +363,11 @@ class Smoothing {
       pushApart(states_[i], bases_[i], isOpen_[i], kOverlap);
       makeSymmetric(states_[i], isOpen_[i]);
     }
-    overlap_ = overlapOf(states_);
+    return setScale();
+  }
+
+  /// Sets the scale of the energy and the price of openings. Returns whether the path has a length.
+  bool setScale() {
     double length = 0;
     for (std::size_t i = 1; i < count(); ++i) {
       length += run::pathDistance(bricks_, states_[i - 1], states_[i]);
@@ -357,8 +375,25 @@ class Smoothing {
     const double mean = length / static_cast<double>(count() - 1);
     scale_ = static_cast<double>(bricks_.size()) * mean * mean;
     price_ = std::pow(2 * std::numbers::pi * kWaves / static_cast<double>(count() - 1), 4);
-    energy_ = energyOf(states_);
     return scale_ > 0;
+  }
+
+  /// Improves the states between two that stay. Returns whether a round was accepted.
+  bool improve(std::size_t first, std::size_t last) {
+    first_ = first;
+    last_ = last;
+    energy_ = energyOf(states_);
+    overlap_ = overlapOf(std::span(states_).subspan(first_, last_ - first_ + 1));
+    int taken = 0;
+    double damping = kFirstDamping;
+    for (int tries = kSmoothingTries; taken < kSmoothingRounds && !isOver();) {
+      const double before = energy_;
+      if (!round(damping, tries, taken)) break;
+      ++taken;
+      if (energy_ <= before && energy_ > (1 - kLeastRoundGain) * before) break;
+      if (isSmooth() && overlap_ <= kMostOverlap * tile_) break;
+    }
+    return taken > 0;
   }
 
   /// An orthonormal basis of the moves that keep joints closed.
@@ -427,7 +462,7 @@ class Smoothing {
       program.hessian.diagonal.push_back(weights.asDiagonal());
       program.gradient = MatrixXd::Zero(basis.cols(), 1);
       program.priceScale = deepest;
-      const MatrixXd y = solve(program);
+      const MatrixXd y = solve(program).y;
       if (y.size() == 0) return;
       poses = joints_.moved(std::move(poses), basis * y.col(0));
       close(poses, isOpen);
@@ -435,7 +470,7 @@ class Smoothing {
   }
 
   /// The deepest overlap beyond the start, metres.
-  double overlapOf(const std::vector<Poses>& states) {
+  double overlapOf(std::span<const Poses> states) {
     double deepest = 0;
     if (!gaps_) return deepest;
     for (const Poses& poses : states) {
@@ -483,58 +518,80 @@ class Smoothing {
     return places;
   }
 
+  /// Second differences of z; zero at the ends of the path.
+  static std::vector<VectorXd> secondDifferences(const std::vector<VectorXd>& z) {
+    std::vector<VectorXd> second(z.size(), VectorXd::Zero(z.front().size()));
+    for (std::size_t i = 1; i + 1 < z.size(); ++i) second[i] = z[i - 1] - 2 * z[i] + z[i + 1];
+    return second;
+  }
+
+  /// The part of the energy that depends on the states that a round moves.
   double energyOf(const std::vector<Poses>& states) const {
-    const std::vector<VectorXd> z = placesOf(states);
+    const std::vector<VectorXd> second = secondDifferences(placesOf(states));
     double energy = 0;
-    for (std::size_t i = 1; i + 1 < z.size(); ++i) {
-      energy += (z[i - 1] - 2 * z[i] + z[i + 1]).squaredNorm();
-      if (modes_.cols() > 0) energy += price_ * joints_.gaps(states[i]).squaredNorm();
+    for (std::size_t i = first_; i <= last_; ++i) {
+      energy += second[i].squaredNorm();
+      if (modes_.cols() > 0 && i > first_ && i < last_)
+        energy += price_ * joints_.gaps(states[i]).squaredNorm();
     }
     return energy / scale_;
   }
 
-  /// Whether the steps of all bricks between states change little.
-  bool isSmooth() const {
+  /// The largest second difference of a brick at each state, over the typical step.
+  std::vector<double> stepChanges() const {
     const std::vector<VectorXd> z = placesOf(states_);
-    double largest = 0, typical = 0;
-    for (std::size_t i = 1; i + 1 < z.size(); ++i) {
-      const VectorXd second = z[i - 1] - 2 * z[i] + z[i + 1];
+    std::vector<double> changes;
+    double typical = 0;
+    for (const VectorXd& second : secondDifferences(z)) {
+      double largest = 0;
       for (Eigen::Index row = 0; row < second.size(); row += 12) {
         largest = std::max(largest, second.segment<12>(row).norm());
+      }
+      changes.push_back(largest);
+    }
+    for (std::size_t i = 1; i < z.size(); ++i) {
+      for (Eigen::Index row = 0; row < z[i].size(); row += 12) {
         typical += (z[i] - z[i - 1]).segment<12>(row).norm();
       }
     }
-    typical /= static_cast<double>(bricks_.size() * (z.size() - 2));
-    return largest <= kSmoothEnough * typical;
+    typical /= static_cast<double>(bricks_.size() * (z.size() - 1));
+    for (double& change : changes) change /= typical;
+    return changes;
+  }
+
+  /// Whether the steps of all bricks change little at the states that a round moves.
+  bool isSmooth() const {
+    const std::vector<double> changes = stepChanges();
+    return std::ranges::all_of(changes.begin() + static_cast<std::ptrdiff_t>(first_),
+                               changes.begin() + static_cast<std::ptrdiff_t>(last_) + 1,
+                               [](double change) { return change <= kSmoothEnough; });
   }
 
   /// The program of a round, without damping.
   BandedProgram programOf() {
     BandedProgram program;
-    const std::size_t inner = count() - 2;
-    const std::vector<VectorXd> z = placesOf(states_);
-    std::vector<VectorXd> second(count());  // differences, at the state in their middle
-    for (std::size_t i = 1; i <= inner; ++i) second[i] = z[i - 1] - 2 * z[i] + z[i + 1];
+    const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
     std::vector<MatrixXd> changes;
-    for (std::size_t i = 1; i <= inner; ++i) changes.push_back(changesOf(bases_[i], states_[i]));
-    program.gradient.resize(freedoms(), static_cast<Eigen::Index>(inner));
-    for (std::size_t i = 1; i <= inner; ++i) {
-      const MatrixXd& here = changes[i - 1];
-      VectorXd force = -2 * second[i];
-      if (i > 1) force += second[i - 1];
-      if (i < inner) force += second[i + 1];
-      const double own = 4 + (i > 1 ? 1 : 0) + (i < inner ? 1 : 0);
-      VectorXd gradient = here.transpose() * force;
-      MatrixXd diagonal = own * here.transpose() * here;
+    for (std::size_t i = first_ + 1; i < last_; ++i) {
+      changes.push_back(changesOf(bases_[i], states_[i]));
+    }
+    program.gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
+    for (std::size_t k = 0; k < moving(); ++k) {
+      const std::size_t i = first_ + 1 + k;
+      const MatrixXd& here = changes[k];
+      // The differences at this state and at both neighbours, except at the ends of the path.
+      const double terms = 4 + (i > 1 ? 1 : 0) + (i + 2 < count() ? 1 : 0);
+      VectorXd gradient = here.transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]);
+      MatrixXd diagonal = terms * here.transpose() * here;
       if (modes_.cols() > 0) {
         const MatrixXd openings = joints_.jacobian(states_[i]) * bases_[i];
         gradient += price_ * openings.transpose() * joints_.gaps(states_[i]);
         diagonal += price_ * openings.transpose() * openings;
       }
-      program.gradient.col(static_cast<Eigen::Index>(i) - 1) = gradient;
+      program.gradient.col(static_cast<Eigen::Index>(k)) = gradient;
       program.hessian.diagonal.push_back(std::move(diagonal));
-      if (i + 1 <= inner) program.hessian.first.push_back(-4 * changes[i].transpose() * here);
-      if (i + 2 <= inner) program.hessian.second.push_back(changes[i + 1].transpose() * here);
+      if (k + 1 < moving()) program.hessian.first.push_back(-4 * changes[k + 1].transpose() * here);
+      if (k + 2 < moving()) program.hessian.second.push_back(changes[k + 2].transpose() * here);
       appendGaps(states_[i], bases_[i], kMargin * tile_, kOverlap * tile_, program);
     }
     program.priceScale = program.gradient.cwiseAbs().maxCoeff();
@@ -558,14 +615,16 @@ class Smoothing {
     for (; tries > 0 && damping <= kMostDamping && !isOver();) {
       BandedProgram damped = program;
       for (MatrixXd& block : damped.hessian.diagonal) block.diagonal().array() += damping;
-      const MatrixXd y = solve(damped);
-      budget_.spend(kProgramCost * static_cast<double>(count()) * std::pow(freedoms(), 3));
+      const auto [y, factorisations] = solve(damped);
+      budget_.spend(factorisations * factorisationCost(moving()));
       if (y.size() == 0) {
         damping *= 10;
         continue;
       }
       std::vector<VectorXd> moves;
-      for (Eigen::Index i = 0; i < y.cols(); ++i) moves.push_back(bases_[i + 1] * y.col(i));
+      for (Eigen::Index k = 0; k < y.cols(); ++k) {
+        moves.push_back(bases_[first_ + 1 + static_cast<std::size_t>(k)] * y.col(k));
+      }
       const double most = longest(moves) / tile_;
       if (most > 2 * kLongestRoundMove) {
         damping *= most > 6 * kLongestRoundMove ? 10 : 3;
@@ -588,15 +647,15 @@ class Smoothing {
   bool take(const std::vector<VectorXd>& moves, double part, int taken) {
     std::vector<Poses> tried = states_;
     std::vector<MatrixXd> bases = bases_;
-    for (std::size_t i = 1; i + 1 < count(); ++i) {
-      tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - 1]);
+    for (std::size_t i = first_ + 1; i < last_; ++i) {
+      tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - first_ - 1]);
       const double gap = close(tried[i], isOpen_[i]);
       if (gap > mostOpen_) return false;
       bases[i] = carriedOn(bases_[i], tried[i], isOpen_[i]);
       pushApart(tried[i], bases[i], isOpen_[i], kOverlap);
       makeSymmetric(tried[i], isOpen_[i]);
     }
-    const double overlap = overlapOf(tried);
+    const double overlap = overlapOf(std::span(tried).subspan(first_, last_ - first_ + 1));
     const double energy = energyOf(tried);
     const double allowed = std::max(
         {kMostOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
@@ -617,31 +676,114 @@ class Smoothing {
     close(poses, isOpen);
   }
 
-  /// Path lengths of the states of the result but the first, the last one first.
-  std::vector<double> finalLengths(double whole) const {
-    const double count =
-        std::clamp(std::ceil(whole / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
-    std::vector<double> lengths;
-    for (double k = count; k > 0; --k) lengths.push_back(whole * (k / count));
-    return lengths;
-  }
-
-  /// States at constant speed on cubics through the improved states. More follow where bricks
-  /// overlap between two of them.
-  std::vector<Poses> interpolated() {
+  /// Path lengths up to each state, metres.
+  std::vector<double> lengths() const {
     std::vector<double> lengths = {0};
     for (std::size_t i = 1; i < count(); ++i) {
       lengths.push_back(lengths.back() + run::pathDistance(bricks_, states_[i - 1], states_[i]));
     }
-    std::vector<double> places = finalLengths(lengths.back());
+    return lengths;
+  }
+
+  /// Replaces the states by those of the result: at constant speed on cubics through them.
+  void sampleFinely() {
+    const std::vector<double> from = lengths();
+    const double number =
+        std::clamp(std::ceil(from.back() / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
+    std::vector<Poses> fine = {states_.front()};
+    std::vector<MatrixXd> bases = {bases_.front()};
+    std::vector<bool> areOpen = {isOpen_.front()};
+    for (double k = 1; k <= number; ++k) {
+      const double length = from.back() * (k / number);
+      fine.push_back(k < number ? stateAt(from, length) : states_.back());
+      const auto next = std::upper_bound(from.begin() + 1, from.end() - 1, length);
+      const auto i = static_cast<std::size_t>(next - from.begin());
+      areOpen.push_back(k < number ? isOpen_[i - 1] || isOpen_[i] : isOpen_.back());
+      bases.push_back(carriedOn(bases.back(), fine.back(), areOpen.back()));
+    }
+    states_ = std::move(fine);
+    bases_ = std::move(bases);
+    isOpen_ = std::move(areOpen);
+    setScale();
+  }
+
+  using Parts = std::vector<std::pair<std::size_t, std::size_t>>;
+
+  /// Parts around the states or the intervals before them that are marked, with a margin: their
+  /// first and last states.
+  Parts partsAround(const std::vector<bool>& marked, std::size_t margin) const {
+    Parts parts;
+    for (std::size_t i = 1; i < count(); ++i) {
+      if (!marked[i]) continue;
+      const std::size_t first = i - std::min(i, margin);
+      const std::size_t last = std::min(i + margin, count() - 1);
+      if (parts.empty() || first > parts.back().second) {
+        parts.emplace_back(first, last);
+      } else {
+        parts.back().second = last;
+      }
+    }
+    return parts;
+  }
+
+  /// Parts of the path in which steps change much.
+  Parts roughParts() const {
+    std::vector<bool> marked;
+    for (const double change : stepChanges()) marked.push_back(change > kRough);
+    return partsAround(marked, kRoughMargin);
+  }
+
+  /// Halves the spacing around states between which bricks overlap, and improves these parts.
+  /// Returns whether there were any.
+  bool halveWhereOverlapping() {
+    std::vector<bool> marked(count(), false);
+    for (std::size_t i = 1; i < count(); ++i) {
+      marked[i] = overlapsBetween(states_[i - 1], states_[i]);
+    }
+    Parts parts = partsAround(marked, kHalvedMargin);
+    std::ranges::reverse(parts);  // the numbers of the earlier states stay
+    for (const auto& [first, last] : parts) {
+      const auto [before, after] = halve(first, last);
+      improve(before, after);
+    }
+    return !parts.empty();
+  }
+
+  /// Inserts states in the middle of the intervals of a part and of one interval on both sides,
+  /// whose second differences then belong to the part. Returns the new numbers of its ends.
+  std::pair<std::size_t, std::size_t> halve(std::size_t first, std::size_t last) {
+    const std::vector<double> from = lengths();
+    const std::size_t begin = first - std::min<std::size_t>(first, 1);
+    const std::size_t end = std::min(last + 1, count() - 1);
+    std::vector<Poses> between;
+    for (std::size_t i = begin + 1; i <= end; ++i) {
+      between.push_back(stateAt(from, 0.5 * (from[i - 1] + from[i])));
+    }
+    for (std::size_t i = end; i > begin; --i) {
+      const auto at = static_cast<std::ptrdiff_t>(i);
+      const bool isOpen = isOpen_[i - 1] || isOpen_[i];
+      const Poses& state = between[i - begin - 1];
+      bases_.insert(bases_.begin() + at, carriedOn(bases_[i], state, isOpen));
+      states_.insert(states_.begin() + at, state);
+      isOpen_.insert(isOpen_.begin() + at, isOpen);
+    }
+    return {first + (first - begin), last + (last - begin)};
+  }
+
+  /// The states with others between two of them where bricks overlap there.
+  std::vector<Poses> withInsertedStates() {
+    const std::vector<double> from = lengths();
+    std::vector<double> places(from.rbegin(), from.rend() - 1);
     const std::size_t most = 2 * places.size();
     std::vector<Poses> found = {states_.front()};
     double last = 0;
     while (!places.empty()) {
       const double next = places.back();
-      Poses poses = next == lengths.back() ? states_.back() : stateAt(lengths, next);
+      const auto own = std::ranges::lower_bound(from, next);
+      Poses poses = *own == next ? states_[static_cast<std::size_t>(own - from.begin())]
+                                 : stateAt(from, next);
       const bool mayInsert =
-          found.size() + places.size() < most && next - last > kLeastSpacing * lengths.back();
+          found.size() + places.size() < most && next - last > kLeastSpacing * from.back();
       if (mayInsert && overlapsBetween(found.back(), poses)) {
         places.push_back(0.5 * (last + next));
         continue;
@@ -662,7 +804,7 @@ class Smoothing {
       return poses;
     };
     const std::array<Poses, 2> thirds = {closedAt(1.0 / 3), closedAt(2.0 / 3)};
-    const double deepest = std::max(overlapOf({from, to}), kMostOverlap * tile_);
+    const double deepest = std::max(overlapOf(std::array{from, to}), kMostOverlap * tile_);
     return overlapOf(run::momentsThrough(from, thirds, to)) > deepest;
   }
 
@@ -716,12 +858,13 @@ class Smoothing {
   Joints joints_;
   std::optional<NearGapFinder> gaps_;  // absent if bricks may not touch
   std::vector<Poses> states_;
-  std::vector<bool> isOpen_;     // whether joints of a state are open
-  MatrixXd modes_;               // of openings, orthonormal columns
-  int free_ = 0;                 // motions that keep joints closed
-  std::vector<MatrixXd> bases_;  // one per state
-  double price_ = 0;             // of a squared opening
-  double scale_ = 0;             // of the energy, square metres
+  std::size_t first_ = 0, last_ = 0;  // a round moves the states between these two
+  std::vector<bool> isOpen_;          // whether joints of a state are open
+  MatrixXd modes_;                    // of openings, orthonormal columns
+  int free_ = 0;                      // motions that keep joints closed
+  std::vector<MatrixXd> bases_;       // one per state
+  double price_ = 0;                  // of a squared opening
+  double scale_ = 0;                  // of the energy, square metres
   double energy_ = 0;
   double overlap_ = 0;  // the deepest beyond the start, metres
 };

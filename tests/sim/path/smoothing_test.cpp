@@ -63,7 +63,7 @@ path::BandedProgram programOf(const BandedExample& example) {
 TEST(BandedProgram, WithoutConstraintsIsADenseSystem) {
   const BandedExample example;
   const path::BandedProgram program = programOf(example);
-  const MatrixXd found = path::solve(program);
+  const MatrixXd found = path::solve(program).y;
   const VectorXd expected = example.dense.fullPivLu().solve(-program.gradient.reshaped());
   // Measured 3e-17.
   EXPECT_LT((found.reshaped() - expected).cwiseAbs().maxCoeff(), 1e-15);
@@ -82,7 +82,7 @@ TEST(BandedProgram, HoldsAConstraint) {
   const VectorXd along = example.dense.fullPivLu().solve(row);
   const VectorXd expected = free + along * (0.3 / row.dot(along));
   // Measured 4e-8: the iteration ends at 1e-7 of the gradient.
-  EXPECT_LT((path::solve(program).reshaped() - expected).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT((path::solve(program).y.reshaped() - expected).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 // y >= 1 and -y >= 1: the least violation of both is at y = 0.
@@ -93,7 +93,7 @@ TEST(BandedProgram, ViolatesContradictionsAsLittleAsPossible) {
   program.constraints = {(MatrixXd(2, 1) << 1, -1).finished()};
   program.bounds = {VectorXd::Ones(2)};
   program.priceScale = 1;
-  EXPECT_NEAR(path::solve(program)(0, 0), 0, 1e-9);
+  EXPECT_NEAR(path::solve(program).y(0, 0), 0, 1e-9);
 }
 
 TEST(BandedProgram, IsEmptyWithoutADefiniteHessian) {
@@ -102,7 +102,7 @@ TEST(BandedProgram, IsEmptyWithoutADefiniteHessian) {
   program.gradient = MatrixXd::Ones(1, 1);
   program.constraints = {MatrixXd(0, 1)};
   program.bounds = {VectorXd()};
-  EXPECT_EQ(path::solve(program).size(), 0);
+  EXPECT_EQ(path::solve(program).y.size(), 0);
 }
 
 /// A row of squares of 1 m, each joined to the next at a corner.
