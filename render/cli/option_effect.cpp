@@ -123,6 +123,10 @@ bool hasNecks(const OptionContext& context) {
 bool hasSolids(const OptionContext& context) {
   return context.exports->elements.family == fea::ElementFamily::Solid;
 }
+/// --plane-stress overrides --shells.
+bool hasNoPlane(const OptionContext& context) {
+  return context.exports->elements.family != fea::ElementFamily::Plane;
+}
 /// Sheets with necks are also exported as solids.
 bool hasElementsOrNeckSolid(const OptionContext& context) {
   return hasElements(context) || (hasNecks(context) && exportsOneOf(context, {"stl", "step"}));
@@ -205,6 +209,7 @@ constexpr OptionEffect kExportEffects[] = {
     {"--elements-per-edge", countsElements, "next to --element-size", "Use only one of them"},
     {"--elements-through", hasSolids, "in shells and plane elements",
      "Remove --shells or --plane-stress"},
+    {"--shells", hasNoPlane, "next to --plane-stress", "Use only one of them"},
     {"--deck-solver,--youngs,--poisson,--deck-density,--deck-unit,--drive,--buckle,--periodic,"
      "--deck-contacts,--state-map,--check",
      hasDeck, "without a deck", "Export inp"},

@@ -132,6 +132,7 @@ std::multimap<std::string, Case> cases() {
   all.insert({"--elements-per-edge",
               {inp + Words{"--element-size", "1", "--elements-per-edge", "4"}, {}}});
   all.insert({"--elements-through", {inp + Words{"--shells", "--elements-through", "2"}, {"-"}}});
+  all.insert({"--shells", {inp + Words{"--joints", "neck", "--shells", "--plane-stress"}, {}}});
   all.insert({"--sets", {stl + Words{"--sets", "none"}, {"--format", "msh"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{{"--deck-solver", {"abaqus"}},
                                                                   {"--youngs", {"1e9"}},
