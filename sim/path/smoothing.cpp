@@ -65,9 +65,9 @@ constexpr double kLeastFinal = 120;     // minimum number of intervals of the re
 constexpr double kMostFinal = 400;
 // States are inserted down to this spacing, as a fraction of the path.
 constexpr double kLeastSpacing = 1e-5;
-constexpr int kSmoothingRounds = 12;      // maximum number of accepted rounds
-constexpr int kSmoothingTries = 24;       // maximum number of tried rounds
-constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller gain ends the rounds
+constexpr int kSmoothingRounds = 12;     // maximum number of accepted rounds
+constexpr int kSmoothingTries = 24;      // maximum number of tried rounds
+constexpr double kLeastRoundGain = 0.1;  // of the energy; a smaller gain ends the rounds
 // A path is smooth enough if no brick's step changes by more than this fraction of the typical
 // step.
 constexpr double kSmoothEnough = 0.05;
