@@ -152,7 +152,6 @@ class NumberScanner {
   std::size_t at_ = 0;
 };
 
-/// Inherited properties.
 /// The parts of a line within closed lines, or on them.
 std::vector<DrawnPath> partsWithin(const std::vector<DrawnPath>& borders, const DrawnPath& line) {
   constexpr double kOnBorder = 1e-6;  // of the borders' size
@@ -205,6 +204,7 @@ std::vector<DrawnPath> partsWithin(const std::vector<DrawnPath>& borders, const 
   return isWhole ? std::vector{line} : parts;
 }
 
+/// Inherited properties.
 struct SvgStyle {
   std::string stroke = "none";
   std::string fill = "#000000";

@@ -40,12 +40,13 @@ struct BandedProgram {
   double priceScale = 0;                     ///< of g if that is not zero; > 0
 };
 
-/// The solution of a program and what it cost.
+/// The solution of a program, and what it cost.
 struct BandedSolution {
   Eigen::MatrixXd y;       ///< one column per state; empty if H is not positive definite
   int factorisations = 0;  ///< of matrices of H's size, 1 to 25
 };
 
+/// Solves a program by an interior-point method.
 BandedSolution solve(const BandedProgram& program);
 
 /// The work of a factorisation over states n^3, in multiplications of a sparse factorisation: 3.2

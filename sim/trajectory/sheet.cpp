@@ -256,7 +256,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 // Singular values above this fraction of the largest count. Observed zeros: 1e-15; smallest others:
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
-// A gap in the spectrum. Observed with misfits of 1e-9 to 1e-5 tiles: 5e3 and more.
+// A gap in the spectrum. Measured with misfits of 1e-9 to 1e-5 tiles: 2e4 and more.
 constexpr double kGap = 30;
 // A dense decomposition costs O(n^3).
 constexpr int kMostDenseUnknowns = 900;
@@ -374,16 +374,13 @@ class JointJacobian {
 void countDense(const Sparse& jacobian, double floor, Mobility& result) {
   const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));  // falling
   floor = std::max(floor, kCounts * values[0]);
-  const auto dropped = [&](Eigen::Index k) { return k < values.size() ? values[k] : 0; };
   while (result.rank < values.size() && values[result.rank] > floor) {
-    if (dropped(result.rank) <= model::kMostMisfit && result.rank > 0 &&
-        values[result.rank - 1] > kGap * values[result.rank]) {
-      break;
-    }
+    const bool mayBeMisfit = result.rank > 0 && values[result.rank] <= model::kMostMisfit;
+    if (mayBeMisfit && values[result.rank - 1] > kGap * values[result.rank]) break;
     ++result.rank;
   }
   result.leastKept = result.rank > 0 ? values[result.rank - 1] : 0;
-  result.largestDropped = dropped(result.rank);
+  result.largestDropped = result.rank < values.size() ? values[result.rank] : 0;
 }
 
 /// Counts the eigenvalues of J^T J below a square, by the signs of the pivots of J^T J - s^2.
