@@ -10,6 +10,7 @@ The program is $KIRIREEL_PROGRAM. Returns 1 if a placement differs; 77 (skipped)
 """
 import json
 import os
+import re
 import sys
 import tempfile
 
@@ -26,10 +27,8 @@ LENGTHS = ("target_error_start", "target_error_end", "rigid_bound", "assembled_e
 
 
 def families():
-    page = run("generate", "--help").split("Families:")[-1]
-    names = [line.split()[0] for line in page.splitlines()
-             if line.startswith("  ") and len(line.split()) > 1 and line[2] != " " and not line.strip().startswith("-")]
-    return [name for name in names if name[0].islower() and name != "kirireel"]
+    page = run("generate", "--help").split("Subcommands:")[1]
+    return re.findall(r"^  ([a-z][a-z-]*)", page, re.MULTILINE)
 
 
 def make(family, rng, folder):
