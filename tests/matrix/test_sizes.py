@@ -4,7 +4,7 @@
     test_sizes.py quick|long
 
 The same sheet is given in mm, in inches and in metres; the long test also places it upright.
-Readers: meshio (STL, VTU, decks), Gmsh (MSH, STL), VTK (OBJ, PLY, GLB), librsvg (SVG), and
+Readers: meshio (STL, VTU, decks), Gmsh (MSH, STL, STEP), VTK (OBJ, PLY, GLB), librsvg (SVG), and
 the declared units of a DXF, FOLD and text file. Returns 77 (skipped) without these packages.
 """
 import json
@@ -149,6 +149,8 @@ def check(unit, upright, scratch):
                ("inp", ["--states", "0%", *thin], [("meshio", ofMesh(1.0), SINGLE)]),
                ("inp", ["--states", "0%", *thin, "--deck-unit", "mm-N"], [("meshio", ofMesh(1e-3), SINGLE)]),
                ("vertices", ["--states", "0%"], [("text", ofText(own), TEXT)]),
+               ("planar", ["--states", "0%"], [("VTK", ofVtk(vtkOBJReader, own), SINGLE)]),
+               ("step", ["--states", "0%"], [("gmsh", ofGmsh(1e-3), SINGLE)]),
                ("glb", [], [("VTK", ofGltf, SINGLE)]),
                ("svg", [], [("librsvg", ofSvg, PIXEL)]),
                ("dxf", [], [("text", ofDxf, TEXT)]),
@@ -158,7 +160,7 @@ def check(unit, upright, scratch):
     for k, (form, options, readers) in enumerate(formats):
         to = os.path.join(scratch, f"{k}")
         run("export", out, "--format", form, *options, "--out", to)
-        endings = {"vertices": ".txt"}
+        endings = {"vertices": ".txt", "planar": ".obj"}
         files = [n for n in sorted(os.listdir(to)) if n.endswith(endings.get(form, "." + form))]
         # Of a deck the mesh, and not its jobs.
         files = [n for n in files if form != "inp" or "*NODE," in open(os.path.join(to, n)).read()]
