@@ -2,8 +2,9 @@
 //
 // 1. *One motion*: half-way to full extension the joints' equations leave one freedom.
 // 2. *Following*: the next state is predicted by a straight line through the last two. Then its
-//    joints are closed. Steps are short: closing moves it by a small fraction of the step. One
-//    motion has one curve, which passes full extension without a branch.
+//    joints are closed. Steps are short: closing moves it by a small fraction of the step. If a
+//    step is much shorter than the one before, both states are taken at its distance. One motion
+//    has one curve, which passes full extension without a branch.
 // 3. *Meeting*: each hinge at a corner has two gaps, one on either side. A gap is the distance
 //    of the hinge angle from a bound. A step closes a gap by at most half: tiles approach
 //    without overlap. Tiles without a common hinge may overlap before; bisection finds that
@@ -37,6 +38,9 @@ constexpr double kMostCorrection = 0.1;
 constexpr double kLeastStep = 1e-7;
 // Steps grow by this factor.
 constexpr double kLongerStep = 1.3;
+// If steps are shorter than this fraction of the step before, its secant is too far from the
+// tangent.
+constexpr double kShorterStep = 0.5;
 // A path longer than this multiple of the extension path has no second compact state.
 constexpr double kLongestPath = 20;
 // A step closes a gap by at most this fraction.
@@ -135,6 +139,7 @@ class ClosingPath {
       if (!isClosed || off > kMostCorrection * step) {
         step *= 0.5;
         if (step < kLeastStep * tile_) throw stopped();
+        if (step < kShorterStep * made) takeNearerBefore(step / made, earlier);
         continue;
       }
       if (const double grown = meter_.grownAt(tried); grown > allowed) {
@@ -213,6 +218,15 @@ class ClosingPath {
       --k;
     }
     return path_.states[k];
+  }
+
+  /// Replaces the state before the last one by a state of the same curve at this fraction of the
+  /// distance. `earlier`: gaps of that state.
+  void takeNearerBefore(double share, std::vector<double>& earlier) {
+    Poses nearer = interpolate(before_, last_, 1 - share);
+    if (!close(nearer)) return;
+    before_ = std::move(nearer);
+    earlier = gapsAt(before_, gaps_);
   }
 
   /// Closes the joints of a nearby state, within the rounding of the model's coordinates.

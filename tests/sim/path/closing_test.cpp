@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -69,6 +70,21 @@ TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
     EXPECT_LE(distanceAtBest(end, *model.target), 1e-6 * tile) << model.name;
     EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile) << model.name;
     EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile) << model.name;
+  }
+}
+
+// Far from the middle of a large sheet, positions change more per degree than in a small one.
+TEST(Closing, FollowsLargeSheets) {
+  for (const int columns : {10, 20}) {
+    generate::TessellationShape shape;
+    shape.columns = columns;
+    shape.rows = 10;
+    shape.targetAngle = std::numbers::pi;
+    const model::Model model = generate::makeTessellation(shape);
+    const run::DeploymentResult run = deploy::deploy(closing(model), 1.0 / 20, nullptr);
+    const std::vector<model::Tile> end =
+        brick::bottomTiles(run.trajectory.bricks, run.trajectory.samples.back().poses);
+    EXPECT_LE(distanceAtBest(end, *model.target), 1e-6) << columns;  // tiles
   }
 }
 
