@@ -85,7 +85,7 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
                          double thickness) {
   std::vector<double> found;
   double length = 0;
-  for (const auto& [corners, shape] : mesh.neckShapes) {
+  for (const auto& [slits, corners, shape] : mesh.neckShapes) {
     found.push_back(brick::neckStiffness(settings.material.youngs, thickness, shape.width,
                                          shape.length, corners));
     length = std::max(length, shape.length);
@@ -1011,12 +1011,9 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 }
 
 // ------------------------------------------------------------------------------------------------
-// Around a corner at which tile A is joined to tile B, anticlockwise, there are A's outgoing edge,
-// A, its incoming edge, a gap, B's outgoing edge, B, its incoming edge, a gap. A's incoming flank
-// therefore faces B's outgoing one, and B's incoming flank A's outgoing one.
-//
-// The deck declares only these pairs. General contact of all flanks would find more, but CalculiX
-// supports only pairs. The user of the deck can add contact between tiles without a common joint.
+// Flanks next to a joint or a neck face each other (edgesBesideJoint). The deck declares only these
+// pairs. General contact of all flanks would find more, but CalculiX supports only pairs. The user
+// of the deck can add contact between tiles without a common joint.
 //
 // Pressure depends on the penetration c (metres). In CalculiX it is linear, p = k c with k = E / t,
 // Young's modulus E (Pa) and thickness t (m). An overlap of the fraction e of the thickness causes
@@ -1027,32 +1024,38 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 
 namespace {
 
-/// A tile's edge, from its corner `edge` to the next.
-using TileEdge = std::pair<int, int>;
-
 /// The pairs of edges that face each other across a gap, unique and sorted. Decks then do not
 /// depend on the order of joints: the two joints of a fold, or two joints on both faces of one
 /// corner, give the same gap.
-std::set<std::pair<TileEdge, TileEdge>> facingEdges(const ElementMesh& mesh) {
-  std::set<std::pair<TileEdge, TileEdge>> pairs;
+std::set<FacingEdges> facingEdges(const ElementMesh& mesh) {
+  std::set<FacingEdges> pairs;
   for (const JointNodes& joint : mesh.joints) {
     const TileElements &a = mesh.tiles[joint.tileA], &b = mesh.tiles[joint.tileB];
-    const int cornerA = cornerOf(a, joint.a[0]), cornerB = cornerOf(b, joint.b[0]);
-    const int countA = static_cast<int>(a.edges.size()), countB = static_cast<int>(b.edges.size());
-    // Edge k goes from corner k to the next, so the incoming edge of corner c is c - 1.
-    const TileEdge intoA(joint.tileA, (cornerA + countA - 1) % countA),
-        outOfA(joint.tileA, cornerA);
-    const TileEdge intoB(joint.tileB, (cornerB + countB - 1) % countB),
-        outOfB(joint.tileB, cornerB);
-    pairs.insert(std::minmax(intoA, outOfB));
-    pairs.insert(std::minmax(intoB, outOfA));
+    const auto both =
+        edgesBesideJoint({joint.tileA, cornerOf(a, joint.a[0])}, static_cast<int>(a.edges.size()),
+                         {joint.tileB, cornerOf(b, joint.b[0])}, static_cast<int>(b.edges.size()));
+    pairs.insert(both.begin(), both.end());
+  }
+  for (const MeshNeck& neck : mesh.neckShapes) {
+    pairs.insert(neck.slits.begin(), neck.slits.end());
   }
   return pairs;
 }
 
-/// Nodes whose displacements joints determine.
+/// Nodes whose displacements joints determine, and those that necks share with their tiles.
 std::vector<bool> nodesOfJoints(const ElementMesh& mesh) {
   std::vector<bool> isTaken = followers(mesh);
+  if (mesh.rule.joints == JointStyle::Neck) {
+    std::vector<bool> isUsed(mesh.nodes.size());
+    for (const auto* parts : {&mesh.tiles, &mesh.necks}) {
+      for (const TileElements& part : *parts) {
+        for (const int node : part.nodes) {
+          if (isUsed[node]) isTaken[node] = true;
+          isUsed[node] = true;
+        }
+      }
+    }
+  }
   for (const JointNodes& joint : mesh.joints) {
     for (const auto* nodes : {&joint.a, &joint.b}) {
       for (const int node : *nodes) isTaken[node] = true;
@@ -1061,8 +1064,9 @@ std::vector<bool> nodesOfJoints(const ElementMesh& mesh) {
   return isTaken;
 }
 
-/// The faces along a tile's edge without nodes of a joint. A contact constraint at a node that
-/// *EQUATION or a rigid body already determines would be overconstrained.
+/// The faces along a tile's edge without the given nodes. A contact constraint at a node that
+/// *EQUATION or a rigid body already determines would be overconstrained. A node that two parts
+/// share cannot part from itself.
 std::vector<ElementFace> freeFaces(const ElementMesh& mesh, const TileEdge& edge,
                                    const std::vector<bool>& isTaken) {
   std::vector<ElementFace> faces;
@@ -1079,10 +1083,10 @@ std::vector<ElementFace> freeFaces(const ElementMesh& mesh, const TileEdge& edge
 }  // namespace
 
 std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
-  if (mesh.rule.family != ElementFamily::Solid || mesh.rule.joints == JointStyle::Neck) {
+  if (mesh.rule.family != ElementFamily::Solid) {
     throw InputError(
         "error: contact is between the flanks of solid tiles; remove --deck-contacts, or --shells "
-        "and --joints neck");
+        "and --plane-stress");
   }
   const std::vector<bool> isTaken = nodesOfJoints(mesh);
   std::vector<ContactPair> pairs;
@@ -1091,7 +1095,7 @@ std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
     if (!pair.a.empty() && !pair.b.empty()) pairs.push_back(std::move(pair));
   }
   // An edge of one or two elements has a joint's node on each of them.
-  if (pairs.empty() && !mesh.joints.empty()) {
+  if (pairs.empty() && !(mesh.joints.empty() && mesh.neckShapes.empty())) {
     throw InputError(
         "error: all faces of the tiles' flanks touch a joint, so none is left for contact; use at "
         "least 3 elements per edge");

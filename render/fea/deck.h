@@ -279,17 +279,18 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 // ------------------------------------------------------------------------------------------------
 // Flanks of tiles that may collide, for analyses with contact.
 
-/// Two flanks that face each other across the gap at a joint.
+/// Two flanks that face each other across the gap or the slit at a joint.
 struct ContactPair {
   std::vector<ElementFace> a;  ///< of the first tile, along the whole flank
   std::vector<ElementFace> b;  ///< of the second tile, along the whole flank
 };
 
 /// For each joint the flanks on both sides of its corner, each pair once: they collide when the
-/// sheet closes. Faces with nodes of joints are left out, since joints determine these. Throws
-/// InputError for meshes without such flanks: shells, plane elements, sheets with necks, and
-/// elements so long that all faces touch a joint. Faces of a pair have the order of the tile's
-/// sides. The cost is a search through the corners of each joint's tiles and a sort.
+/// sheet closes. Faces with nodes of joints, or with nodes that a neck shares with its tiles, are
+/// left out: joints determine these, and the ends of slits stay closed. Throws InputError for
+/// meshes without such flanks: shells, plane elements, and elements so long that all faces touch a
+/// joint. Faces of a pair have the order of the tile's sides. The cost is a search through the
+/// corners of each joint's tiles and a sort.
 std::vector<ContactPair> contactPairs(const ElementMesh& mesh);
 
 /// Appends the surfaces CONTACT_00000_A and _B of each pair, or nothing without pairs. Element

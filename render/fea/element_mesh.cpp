@@ -377,6 +377,19 @@ ElementRule coarsest(ElementRule rule) {
   return rule;
 }
 
+std::array<FacingEdges, 2> edgesBesideJoint(const model::Corner& a, int sidesA,
+                                            const model::Corner& b, int sidesB) {
+  // Anticlockwise around the corner there are A's outgoing edge, A, its incoming edge, a gap, B's
+  // outgoing edge, B, its incoming edge, a gap. The incoming edge of corner c is c - 1.
+  const auto into = [](const model::Corner& corner, int sides) {
+    return TileEdge(corner.tile, (corner.vertex + sides - 1) % sides);
+  };
+  const auto outOf = [](const model::Corner& corner) {
+    return TileEdge(corner.tile, corner.vertex);
+  };
+  return {std::minmax(into(a, sidesA), outOf(b)), std::minmax(into(b, sidesB), outOf(a))};
+}
+
 int nodeCount(const ElementRule& rule) {
   if (rule.family != ElementFamily::Solid) return rule.quadratic ? 8 : 4;
   return rule.quadratic ? 20 : 8;

@@ -63,7 +63,7 @@ int nodeCount(const ElementRule& rule);
 struct ElementFace {
   int element = 0;   ///< number, zero-based
   int side = 0;      ///< from its bottom corner `side` to the next, 0 to 3
-  int tileEdge = 0;  ///< edge of the tile that contains the face
+  int tileEdge = 0;  ///< edge of the tile that contains the face; -1: none, as at necks
 };
 
 /// The elements and nodes of one brick. Nodes are in ascending order unless stated otherwise.
@@ -120,8 +120,20 @@ struct JoinedTiles {
   int tileB = 0;  ///< number, zero-based
 };
 
+/// A tile and its edge from the vertex of this number to the next, zero-based.
+using TileEdge = std::pair<int, int>;
+
+/// Two edges that face each other across a gap or a slit.
+using FacingEdges = std::pair<TileEdge, TileEdge>;
+
+/// The edges next to a joint of these corners, on both sides of it. `sidesA` and `sidesB` are the
+/// numbers of edges of the two tiles.
+std::array<FacingEdges, 2> edgesBesideJoint(const model::Corner& a, int sidesA,
+                                            const model::Corner& b, int sidesB);
+
 /// The neck at a joint of JointStyle::Neck.
 struct MeshNeck {
+  std::array<FacingEdges, 2> slits;          ///< on both sides of it
   std::array<brick::NeckCorner, 2> corners;  ///< of both tiles
   writers::NeckShape shape;                  ///< result of writers::shapeAt()
 };

@@ -288,10 +288,28 @@ void tidy(RegionMesh& mesh) {
   mesh.lineOf = std::move(lines);
 }
 
-/// Sides of cells without a neighbour, by region; cells are numbered from the region's first. They
-/// are the outline of the sheet and both sides of each slit. tileEdge is -1, since outlines have
-/// fillets and no tile edges.
-std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
+/// The lines of an outline in the order of their zero-based numbers in neckGeometry, and the number
+/// of each region's lines.
+std::vector<std::vector<int>> lineNumbers(const writers::NeckOutline& outline) {
+  OutlineLines lines;
+  std::vector<std::vector<int>> numbers;
+  for (const auto* loops : {&outline.tiles, &outline.necks}) {
+    for (const std::vector<int>& loop : *loops) {
+      std::vector<int>& own = numbers.emplace_back();
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        own.push_back(std::abs(lines.find(loop[k], loop[(k + 1) % loop.size()])) - 1);
+      }
+    }
+  }
+  return numbers;
+}
+
+/// Sides of cells without a neighbour, by region and tile edge; cells are numbered from the
+/// region's first. They are the outline of the sheet and both sides of each slit. tileEdge is -1 at
+/// necks and where these are cut into tiles.
+std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh,
+                                                  const writers::NeckOutline& outline) {
+  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
   std::map<std::pair<int, int>, int> uses;
   const auto sideOf = [](const std::array<int, 4>& cell, int k) {
     return std::pair<int, int>(std::minmax(cell[k], cell[(k + 1) % 4]));
@@ -301,12 +319,22 @@ std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
   }
   std::vector<std::vector<FootprintSide>> sides(mesh.firstCell.size() - 1);
   for (std::size_t region = 0; region < sides.size(); ++region) {
+    std::map<int, int> edgeOf;  // by the number of its line
+    for (std::size_t e = 0; region < outline.tiles.size() && e < outline.edges[region].size();
+         ++e) {
+      edgeOf[numbers[region][outline.edges[region][e]]] = static_cast<int>(e);
+    }
     for (std::size_t c = mesh.firstCell[region]; c < mesh.firstCell[region + 1]; ++c) {
       for (int k = 0; k < 4; ++k) {
-        if (uses[sideOf(mesh.cells[c], k)] > 1) continue;
-        sides[region].push_back({static_cast<int>(c - mesh.firstCell[region]), k, -1});
+        const auto side = sideOf(mesh.cells[c], k);
+        if (uses[side] > 1) continue;
+        const auto line = mesh.lineOf.find(side);
+        const auto edge = line == mesh.lineOf.end() ? edgeOf.end() : edgeOf.find(line->second);
+        sides[region].push_back({static_cast<int>(c - mesh.firstCell[region]), k,
+                                 edge == edgeOf.end() ? -1 : edge->second});
       }
     }
+    std::ranges::stable_sort(sides[region], {}, &FootprintSide::tileEdge);
   }
   return sides;
 }
@@ -387,25 +415,14 @@ std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
   };
   std::vector<MeshNeck> necks;
   for (const model::Joint& joint : model.joints) {
-    necks.push_back({{at(joint.a), at(joint.b)}, writers::shapeAt(joint, shape)});
+    const auto sidesOf = [&](const model::Corner& corner) {
+      return static_cast<int>(model.tiles[corner.tile].vertices.size());
+    };
+    necks.push_back({edgesBesideJoint(joint.a, sidesOf(joint.a), joint.b, sidesOf(joint.b)),
+                     {at(joint.a), at(joint.b)},
+                     writers::shapeAt(joint, shape)});
   }
   return necks;
-}
-
-/// The lines of an outline in the order of their zero-based numbers in neckGeometry, and the number
-/// of each region's lines.
-std::vector<std::vector<int>> lineNumbers(const writers::NeckOutline& outline) {
-  OutlineLines lines;
-  std::vector<std::vector<int>> numbers;
-  for (const auto* loops : {&outline.tiles, &outline.necks}) {
-    for (const std::vector<int>& loop : *loops) {
-      std::vector<int>& own = numbers.emplace_back();
-      for (std::size_t k = 0; k < loop.size(); ++k) {
-        own.push_back(std::abs(lines.find(loop[k], loop[(k + 1) % loop.size()])) - 1);
-      }
-    }
-  }
-  return numbers;
 }
 
 /// The element faces at the ends of the outline.
@@ -504,7 +521,7 @@ ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const 
   ElementMesh mesh;
   mesh.rule = rule;
   PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
-  const std::vector<std::vector<FootprintSide>> sides = freeSides(region);
+  const std::vector<std::vector<FootprintSide>> sides = freeSides(region, outline);
   for (std::size_t k = 0; k < regions; ++k) {
     const std::size_t first = region.firstCell[k];
     TileElements part = layers.append(first, region.firstCell[k + 1] - first, sides[k]);

@@ -664,9 +664,11 @@ class OutlineMaker {
       chains.push_back(chain);
     }
     std::vector<int> loop;
+    std::vector<int>& edges = outline_.edges.emplace_back();
     for (int k = 0; k < sides; ++k) {
       requireRest(tile, k, chains[k].back(), chains[(k + 1) % sides].front());
       loop.insert(loop.end(), chains[k].begin(), chains[k].end());
+      edges.push_back(static_cast<int>(loop.size()) - 1);
     }
     requireSimple(tile, loop);
     outline_.tiles.push_back(loop);

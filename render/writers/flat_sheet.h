@@ -140,6 +140,8 @@ struct NeckOutline {
   std::vector<Vector2> points;          ///< in the sheet's plane, metres
   std::vector<bool> isAtNeck;           ///< for each point
   std::vector<std::vector<int>> tiles;  ///< points of each tile, anticlockwise
+  std::vector<std::vector<int>> edges;  ///< for each tile the first points of its edges' lines, as
+                                        ///< places in `tiles`
   std::vector<std::vector<int>> necks;  ///< the same for necks with a non-zero area
   std::vector<int> neckJoints;          ///< joint of each of these necks
   double neckWidth = 0;                 ///< of the narrowest neck, metres

@@ -501,7 +501,7 @@ TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
     return test::refusalOf([&] { fea::contactPairs(meshOf(test::hingedSquares(), rule)); });
   };
   EXPECT_THAT(refusal({.family = fea::ElementFamily::Shell}),
-              HasSubstr("remove --deck-contacts, or --shells and --joints neck"));
+              HasSubstr("remove --deck-contacts, or --shells and --plane-stress"));
   EXPECT_THAT(refusal({.perEdge = 1, .through = 1, .quadratic = false}),
               HasSubstr("use at least 3 elements per edge"));
 }

@@ -11,6 +11,7 @@
 #include "render/fea/element_mesh.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/generate/lattice.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
@@ -35,7 +36,7 @@ TEST_P(GmshProgram, KeepsSetsAndElements) {
   const test::Layout layout = test::hingedSquares();
   const fea::ElementMesh mesh =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                               {.perEdge = 2, .through = 1, .quadratic = GetParam()});
+                           {.perEdge = 2, .through = 1, .quadratic = GetParam()});
   const test::Deck deck = throughGmsh(mesh);
   EXPECT_EQ(deck.nodes.size(), mesh.nodes.size());
   for (int t = 0; t < 4; ++t) {
@@ -85,7 +86,7 @@ TEST(GmshProgram, FindsNothingTwice) {
   }
   const test::Layout shut = test::hingedSquares(0);
   expectCoherent(fea::makeElementMesh(shut.bricks, shut.joints, shut.poses,
-                                          {.family = fea::ElementFamily::Shell}));
+                                      {.family = fea::ElementFamily::Shell}));
 }
 
 /// How many pieces the elements of a mesh make, by the nodes that they share.
@@ -107,7 +108,7 @@ int piecesOf(const fea::ElementMesh& mesh) {
 }
 
 fea::ElementRule necks(const writers::NeckShape& shape,
-                           fea::ElementFamily family = fea::ElementFamily::Plane) {
+                       fea::ElementFamily family = fea::ElementFamily::Plane) {
   fea::ElementRule rule{.joints = fea::JointStyle::Neck, .family = family, .neck = shape};
   rule.perEdge = 4;
   return rule;
@@ -196,13 +197,40 @@ TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
   expectCoherent(solid);
   // Elements at the ends of shut slits are small and upright.
   const model::Model shut = generate::makeTessellation(test::squares(2, 2, 0));
-  for (const fea::ElementFamily family :
-       {fea::ElementFamily::Solid, fea::ElementFamily::Plane}) {
+  for (const fea::ElementFamily family : {fea::ElementFamily::Solid, fea::ElementFamily::Plane}) {
     expectCoherent(fea::makeNeckMesh(shut, 0.02, necks({.width = 0.05}, family)));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Orders, GmshProgram, testing::Bool());
+
+TEST(GmshNecks, SidesOfSlitsAreContactPairs) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh necks";
+  const model::Model model = generate::makeTessellation(test::squares(3, 3, 0));
+  for (const double kerf : {0.0, 0.02}) {
+    const fea::ElementMesh mesh =
+        fea::makeNeckMesh(model, 0.02,
+                          {.through = 1,
+                           .joints = fea::JointStyle::Neck,
+                           .neck = {.width = 0.1, .length = 3 * kerf, .kerf = kerf}});
+    const std::vector<fea::ContactPair> pairs = fea::contactPairs(mesh);
+    // At each of 12 necks one pair with a slit between, and one in a line.
+    EXPECT_EQ(pairs.size(), 24U) << kerf;
+    int slits = 0;
+    for (const fea::ContactPair& pair : pairs) {
+      // The nodes of both sides are in a strip as wide as the cut.
+      Eigen::AlignedBox3d box;
+      for (const auto* side : {&pair.a, &pair.b}) {
+        for (const fea::ElementFace& face : *side) {
+          for (const int node : fea::faceNodes(mesh, face)) box.extend(mesh.nodes[node]);
+        }
+      }
+      EXPECT_LE(box.sizes().head<2>().minCoeff(), kerf + 1e-9);  // measured: kerf + 1e-15
+      if (box.sizes().head<2>().minCoeff() > 0.9 * kerf && kerf > 0) ++slits;
+    }
+    EXPECT_EQ(slits, kerf > 0 ? 12 : 0);
+  }
+}
 
 }  // namespace
 }  // namespace kirireel

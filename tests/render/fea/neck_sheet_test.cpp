@@ -114,9 +114,8 @@ double betweenRigidTiles(const writers::NeckShape& neck, double thickness) {
   for (const int node : mesh.tiles[0].nodes) held += fmt::format("{}, 1, 2\n", node + 1);
   for (const int node : mesh.tiles[1].nodes) {
     const Vector3 arm = mesh.nodes[node] - Vector3(1, neck.width / 2, 0);
-    turned +=
-        fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
-                    fea::deckNumber(-angle * arm.y()), fea::deckNumber(angle * arm.x()));
+    turned += fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
+                          fea::deckNumber(-angle * arm.y()), fea::deckNumber(angle * arm.x()));
   }
   std::string job = test::ownJob("", held, "*BOUNDARY\n" + turned,
                                  "XMAX\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n*NODE "
@@ -149,6 +148,32 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
     // Between the table's rows and on them, with coarser elements. Measured: 1.0002 to 1.0013.
     EXPECT_NEAR(own / brick::neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
   }
+}
+
+TEST_F(NeckSheet, SidesOfASlitPressOnEachOther) {
+  const double thickness = 0.02, pressed = 2e-3;
+  const fea::ElementMesh mesh =
+      fea::makeNeckMesh(twoSquares(), thickness,
+                        {.through = 1, .joints = fea::JointStyle::Neck, .neck = {.width = 0.1}});
+  const auto force = [&](bool touch) {
+    fea::DeckSettings settings;
+    if (touch) settings.contactFriction = 0;
+    std::string cards;
+    if (touch) {
+      fea::appendContactCards(cards, fea::contactPairs(mesh).size(), settings, thickness);
+    }
+    std::string job = test::ownJob("", "XMIN, 1, 3\n",
+                                   fmt::format("*BOUNDARY\nXMAX, 1, 1, {}\nXMAX, 2, 3\n", -pressed),
+                                   "XMAX, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=XMAX");
+    job.insert(job.find("*BOUNDARY"), cards);
+    const test::JobEnd end = test::run(fea::meshDeck(mesh, settings, kOrigin), job);
+    const std::vector<Vector3> sums = test::totalForces(end.data, "XMAX");
+    return sums.empty() ? 0.0 : -sums.back().x();
+  };
+  // A block of 2 m without a slit, longer by the thickness: contact gives way by p t / E.
+  const double block = 1e9 * thickness * pressed / (2 + thickness);
+  EXPECT_NEAR(force(true) / block, 1, 0.03);  // measured: 1.0143, since the ends are clamped
+  EXPECT_LT(force(false) / block, 0.5);       // measured: 0.2276
 }
 
 /// The width by which a neck of so many widths' length seems longer than it is, in widths.
@@ -239,8 +264,7 @@ std::vector<double> neckByDeck(const model::Model& model, const writers::NeckSha
                                const std::string& moment = "") {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
-  writeTextFile(
-      file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
+  writeTextFile(file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
   std::istringstream said(test::outputOf(fmt::format(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/neck_compliance.py' '{}' {} {}",
       file.string(), neck.width, moment)));
