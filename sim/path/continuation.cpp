@@ -28,7 +28,10 @@
 // assembled_state.h.
 //
 // Full extension maximises the sum of squared distances from the common centre on the mechanism, by
-// gradient ascent with momentum: Nesterov (1983), Soviet Math. Doklady 27.
+// gradient ascent with momentum: Nesterov (1983), Soviet Math. Doklady 27. Near the maximum the sum
+// differs by the square of the distance, so its gains lead only to the root of rounding. The last
+// digits come from the moves themselves, which vanish there: Anderson's mixing, Walker, Ni (2011),
+// SIAM J. Numer. Anal. 49.
 //
 // Nearest points are followed as in predictor-corrector continuation: Allgower, Georg (1990),
 // Introduction to Numerical Continuation Methods, chapters 2 and 6.
@@ -43,6 +46,7 @@
 #include <ranges>
 #include <utility>
 
+#include "sim/model/isometry.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/scene/scene_needs.h"
@@ -98,6 +102,11 @@ constexpr double kRadiusStates = 100;
 constexpr double kResting = 0.5;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
 constexpr int kMostExtending = 2000;
+// Refinement of the maximum: moves that are mixed, moves without a shorter one at which it ends,
+// and the largest distance, in states.
+constexpr int kMixedMoves = 12;
+constexpr int kMostVainMoves = 10;
+constexpr double kFarthestRefined = 0.5;
 // Moves stop below this fraction of the coordinates' rounding.
 constexpr double kNoDigit = 0.1;
 // Maximum cost of the path with exact joints, relative to that of the path with rounded joints.
@@ -152,6 +161,34 @@ Poses spread(Poses poses, const std::vector<int>& pieces, double part) {
   return poses;
 }
 
+/// Moves each piece of a state rigidly to where it is nearest to that of `start`. A path has a
+/// drift: loops of moves rotate and shift the whole. Its rounding grows with the number of moves.
+Poses withoutDrift(const std::vector<brick::Brick>& bricks, const Poses& start,
+                   const std::vector<int>& pieces, bool isPlanar, Poses poses) {
+  const std::vector<Vector3> from = centresOf(poses, pieces), to = centresOf(start, pieces);
+  std::vector<std::vector<Vector3>> now(from.size()), before(from.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double radius = run::gyrationRadius(bricks[i]);
+    for (const double side : {-radius, radius}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vector3 arm = side * Vector3::Unit(axis);
+        now[pieces[i]].push_back(poses[i].position + poses[i].rotation * arm);
+        before[pieces[i]].push_back(start[i].position + start[i].rotation * arm);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    Quaternion turn(model::bestRigidMotion(now[k], before[k]).rotation);
+    if (isPlanar) turn.x() = turn.y() = 0;
+    turn.normalize();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (pieces[i] != static_cast<int>(k)) continue;
+      poses[i] = {to[k] + turn * (poses[i].position - from[k]), turn * poses[i].rotation};
+    }
+  }
+  return poses;
+}
+
 /// The sum of squared distances from the centres of the pieces, square metres.
 double extent(const Poses& poses, const std::vector<int>& pieces) {
   const std::vector<Vector3> centres = centresOf(poses, pieces);
@@ -160,6 +197,63 @@ double extent(const Poses& poses, const std::vector<int>& pieces) {
     sum += (poses[i].position - centres[pieces[i]]).squaredNorm();
   }
   return sum;
+}
+
+/// Translations, and rotations as arcs at the radii of gyration, from one state to another: 6
+/// numbers for each brick, metres.
+Eigen::VectorXd displacement(const std::vector<brick::Brick>& bricks, const Poses& from,
+                             const Poses& to) {
+  Eigen::VectorXd found(6 * from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    found.segment<3>(6 * i) = to[i].position - from[i].position;
+    found.segment<3>(6 * i + 3) =
+        run::gyrationRadius(bricks[i]) * turnBetween(from[i].rotation, to[i].rotation);
+  }
+  return found;
+}
+
+/// The state at such a displacement from another one.
+Poses displaced(const std::vector<brick::Brick>& bricks, Poses poses, const Eigen::VectorXd& by) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = kirireel::displaced(poses[i], by.segment<3>(6 * i),
+                                   by.segment<3>(6 * i + 3) / run::gyrationRadius(bricks[i]));
+  }
+  return poses;
+}
+
+/// Anderson's mixing of the last points of x -> x + move(x). It leads to the x that does not move.
+class Mixing {
+ public:
+  /// The next point, from the last one and its move.
+  Eigen::VectorXd next(const Eigen::VectorXd& point, const Eigen::VectorXd& move) {
+    points_.push_back(point);
+    moves_.push_back(move);
+    if (points_.size() > kMixedMoves + 1) {
+      points_.erase(points_.begin());
+      moves_.erase(moves_.begin());
+    }
+    const auto count = static_cast<Eigen::Index>(points_.size()) - 1;
+    if (count == 0) return point + move;
+    Eigen::MatrixXd steps(point.size(), count), changes(point.size(), count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      steps.col(k) = points_[k + 1] - points_[k];
+      changes.col(k) = moves_[k + 1] - moves_[k];
+    }
+    const Eigen::VectorXd weights = changes.colPivHouseholderQr().solve(move);
+    return point + move - (steps + changes) * weights;
+  }
+
+ private:
+  std::vector<Eigen::VectorXd> points_, moves_;
+};
+
+/// Recomputes the lengths of a path whose states have changed.
+void measureLengths(const std::vector<brick::Brick>& bricks, run::MechanismPath& path) {
+  path.lengths = {0};
+  for (std::size_t k = 1; k < path.states.size(); ++k) {
+    path.lengths.push_back(path.length() +
+                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
+  }
 }
 
 /// The mechanism in one metric. It moves states towards guide states.
@@ -203,11 +297,21 @@ class Mechanism {
     symmetries.restore(poses, *dynamics_);
   }
 
+  /// The fraction of the distance at which the next move aims, (0, 1].
+  double aim() const { return aim_; }
+
+  /// The state after one move that aims at `place` itself.
+  Poses step(const Poses& from, const Poses& place, run::SearchBudget& budget) {
+    Motion motion{from, aimedAt(from, place, 1)};
+    budget.spend(dynamics_->advance(motion, 1, withoutForces).work);
+    return std::move(motion.poses);
+  }
+
   /// Moves towards `place`, by at most about `longest` metres. Returns the distance moved, metres.
   double move(Poses& poses, const Poses& place, double longest, run::SearchBudget& budget) {
     const double before = distance(poses, place);
     for (bool isFirst = true;; isFirst = false) {
-      Motion motion{poses, aimedAt(poses, place)};
+      Motion motion{poses, aimedAt(poses, place, aim_)};
       const StepReport report = dynamics_->advance(motion, 1, withoutForces);
       budget.spend(report.work);
       const double moved = run::pathDistance(bricks_, poses, motion.poses);
@@ -245,12 +349,12 @@ class Mechanism {
     aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
   }
 
-  /// The velocities that move free bricks by the fraction aim_ of the distance to a place, in 1 s.
-  std::vector<Velocity> aimedAt(const Poses& from, const Poses& place) const {
+  /// The velocities that move free bricks by the fraction `aim` of the distance to a place, in 1 s.
+  static std::vector<Velocity> aimedAt(const Poses& from, const Poses& place, double aim) {
     std::vector<Velocity> velocities;
     for (std::size_t i = 0; i < from.size(); ++i) {
-      velocities.push_back({aim_ * (place[i].position - from[i].position),
-                            aim_ * turnBetween(from[i].rotation, place[i].rotation)});
+      velocities.push_back({aim * (place[i].position - from[i].position),
+                            aim * turnBetween(from[i].rotation, place[i].rotation)});
     }
     return velocities;
   }
@@ -316,7 +420,9 @@ class Continuation {
     extend();
     // Without any gain in extent, the state is a maximum or, often by symmetry, a saddle.
     while (mayContinue() && leaveSaddle()) continue;
+    if (ascent_ > 0 && !isTouching()) refine();
     omitRest();
+    if (!isTouching()) removeDrift();
     path_.guideLength = path_.length();
     return finish();
   }
@@ -331,6 +437,8 @@ class Continuation {
   bool isRounded() const {
     return settings_.jointStiffness == closedStiffness_ && settings_.areJointsCompliant();
   }
+
+  bool isTouching() const { return scene_.environment.contacts != scene::ContactFilter::None; }
 
   bool mayContinue() {
     path_.isCutShort =
@@ -383,9 +491,46 @@ class Continuation {
       last = std::exchange(poses_, std::move(tried));
       keep();
       reached = extended;
+      ascent_ = part * mechanism_.aim();
       // Distant aims cost halved moves. The aim comes nearer if moves already have full length.
       part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
     }
+  }
+
+  /// Moves from the end of extend() to the maximum, to rounding.
+  void refine() {
+    const std::vector<brick::Brick>& bricks = mechanism_.bricks();
+    const Poses before = poses_;
+    Poses at = poses_, best = poses_;
+    double least = std::numeric_limits<double>::infinity();
+    Mixing mixing;
+    for (int vain = 0; vain < kMostVainMoves && mayContinue(); ++vain) {
+      Poses moved = mechanism_.step(at, spread(at, pieces_, ascent_), budget_);
+      if (isRounded()) mechanism_.settle(moved, budget_);
+      mechanism_.restore(symmetries_, moved);
+      const Eigen::VectorXd move = displacement(bricks, at, moved);
+      if (move.norm() < least) {
+        least = move.norm();
+        best = moved;
+        vain = 0;
+      }
+      at = displaced(bricks, before, mixing.next(displacement(bricks, before, at), move));
+    }
+    const bool isNear = run::pathDistance(bricks, before, best) < kFarthestRefined * stateLength_;
+    if (!isNear || extent(best, pieces_) < (1 - kNoGain) * extent(before, pieces_)) return;
+    poses_ = std::move(best);
+    keep();
+  }
+
+  /// Without contacts, nothing fixes the place of a piece; see withoutDrift().
+  void removeDrift() {
+    const bool isPlanar = scene::sceneNeeds(scene_).planar.on;
+    for (Poses& state : std::views::drop(path_.states, 1)) {
+      state = withoutDrift(mechanism_.bricks(), path_.states.front(), pieces_, isPlanar,
+                           std::move(state));
+    }
+    poses_ = path_.states.back();
+    measureLengths(mechanism_.bricks(), path_);
   }
 
   /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
@@ -536,6 +681,7 @@ class Continuation {
   Poses poses_;  // the current state
   Mechanism mechanism_;
   run::SymmetricStates symmetries_;  // symmetries that the path keeps
+  double ascent_ = 0;                // relative distance of the last aim with a gain in extent
   double stateLength_ = 0;           // step of the guide from state to state, metres
   double progress_ = 0;              // along the guide, [0, 1]
   run::SearchBudget& budget_;
@@ -561,15 +707,6 @@ void endNearest(const std::vector<brick::Brick>& bricks, const Poses& place,
   const auto nearest = std::ranges::min_element(
       path.states, {}, [&](const Poses& state) { return run::pathDistance(bricks, state, place); });
   path.states.erase(nearest + 1, path.states.end());
-}
-
-/// Recomputes the lengths of a path whose states have changed.
-void measureLengths(const std::vector<brick::Brick>& bricks, run::MechanismPath& path) {
-  path.lengths = {0};
-  for (std::size_t k = 1; k < path.states.size(); ++k) {
-    path.lengths.push_back(path.length() +
-                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
-  }
 }
 
 /// Whether a state with exactly closed joints lies near each state, within roundedReach().

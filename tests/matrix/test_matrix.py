@@ -428,9 +428,6 @@ KNOWN = {
     ("tessellation", "named hull", "picture"): "the picture shows the name",
     ("tessellation", "named with a space", "picture"): "the picture shows the name",
     ("tessellation", "named in UTF-8", "picture"): "the picture shows the name",
-    ("two pieces", "turned at random", "path"): "off by 2e-8 tile, the cause is not known",
-    ("two pieces", "in mm", "path"): "off by 3e-8 tile, the cause is not known",
-    ("two pieces", "tiles renumbered", "path"): "off by 4e-8 tile, the cause is not known",
 }
 # The model that all others are transformed from.
 PLAIN = [None]
