@@ -201,17 +201,22 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
 
 /// The distance of two segments.
 double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
-  // Two segments cross if the ends of each lie on both sides of the other.
-  const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
-  const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
-  if (((ofC > 0) != (ofD > 0)) && ((ofA > 0) != (ofB > 0))) return 0;
   const auto toStretch = [](const Vector2& p, const Vector2& from, const Vector2& to) {
     const Vector2 along = to - from;
     const double share = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
     return (p - from - share * along).norm();
   };
-  // Otherwise the nearest points include an end of one segment.
-  return std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
+  // Either the nearest points include an end of one segment, or the segments cross.
+  const double ofEnds =
+      std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
+  // Two segments cross if the ends of each lie on both sides of the other, and at one point. Of
+  // segments on one line the sides are rounding, and these points are apart.
+  const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
+  const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
+  if ((ofC > 0) == (ofD > 0) || (ofA > 0) == (ofB > 0)) return ofEnds;
+  const Vector2 onFirst = a + ofA / (ofA - ofB) * (b - a);
+  const Vector2 onSecond = c + ofC / (ofC - ofD) * (d - c);
+  return std::min(ofEnds, (onFirst - onSecond).norm());
 }
 
 }  // namespace

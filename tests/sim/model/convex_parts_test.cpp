@@ -149,6 +149,21 @@ TEST(ConvexParts, CrossingSidesAreFound) {
       std::vector<Vector3>{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 0, 0}, {0, 2, 0}}, up, 1e-9));
 }
 
+/// Opposite arms of a plus have sides on one line. In any direction they are apart.
+TEST(ConvexParts, SidesOnOneLineDoNotCross) {
+  const std::vector<Vector3> plus = {{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {3, 1, 0},
+                                     {3, 2, 0}, {2, 2, 0}, {2, 3, 0}, {1, 3, 0},
+                                     {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {1, 1, 0}};
+  for (int k = 0; k < 1000; ++k) {
+    const Matrix3 turn = (Eigen::AngleAxisd(0.1 * k, Vector3::UnitZ()) *
+                          Eigen::AngleAxisd(1.7 * k, Vector3::UnitX()))
+                             .toRotationMatrix();
+    std::vector<Vector3> turned;
+    for (const Vector3& corner : plus) turned.push_back(turn * corner);
+    EXPECT_FALSE(model::crossingSides(turned, turn * Vector3::UnitZ(), 1e-9)) << k;
+  }
+}
+
 TEST(ConvexParts, SplitTilesAreHingedAlongTheirCuts) {
   model::Model model;
   model.tiles = {starShape(5, 2, 0.8)};
