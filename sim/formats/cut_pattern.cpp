@@ -569,8 +569,18 @@ class CutPatternReader {
     const auto rings = closedRings(paths, tolerance, open);
     const auto readAs = [&](CutLines cuts) {
       for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
-      // Centre lines are accurate to a small fraction of their slots' width.
-      return sheetOfCuts(cuts, drawing_, settings_, std::max(tolerance, 0.03 * cuts.kerf), file_);
+      const auto sheet = [&] {
+        // Centre lines are accurate to a small fraction of their slots' width.
+        return sheetOfCuts(cuts, drawing_, settings_, std::max(tolerance, 0.03 * cuts.kerf), file_);
+      };
+      const std::vector<OpeningTip> tips = std::exchange(cuts.tips, {});
+      if (tips.empty()) return sheet();
+      const auto openings = std::exchange(cuts.openings, {});
+      return readBest(sheet, [&] {
+        cuts.tips = tips;
+        cuts.openings = openings;
+        return sheet();
+      });
     };
     const auto asSlots = [&]() -> std::optional<CutSheet> {
       if (rings.empty()) return std::nullopt;
@@ -585,6 +595,7 @@ class CutPatternReader {
     CutLines slits;
     takeReliefs(paths, rings, slits);
     slits.lines = segmentsOf(paths);
+    takeTips(rings, tolerance, slits);
     if (open.empty()) return readAs(std::move(slits));
     // Closed outlines next to open lines are slots, reliefs, holes or marks.
     return readBest([&] { return readAs(std::move(slits)); }, asSlots);
@@ -726,10 +737,12 @@ class CutPatternReader {
   void takeReliefs(std::vector<const DrawnPath*>& paths,
                    const std::vector<std::vector<Vector2>>& rings, CutLines& cuts) const {
     std::vector<Vector2> firsts, lasts;
+    std::vector<double> lengths;
     for (const DrawnPath* path : paths) {
       if (path->isClosed) continue;
       firsts.push_back(path->points.front());
       lasts.push_back(path->points.back());
+      lengths.push_back(lengthOf(*path));
     }
     const auto touches = [&](const std::vector<Vector2>& ring, const Vector2& point) {
       if (isWithinRing(ring, point)) return true;
@@ -741,13 +754,15 @@ class CutPatternReader {
     };
     for (const std::vector<Vector2>& ring : rings) {
       int oneEnd = 0, bothEnds = 0;
+      double length = 0;  // of the slit
       for (std::size_t k = 0; k < firsts.size(); ++k) {
         const int inside = (touches(ring, firsts[k]) ? 1 : 0) + (touches(ring, lasts[k]) ? 1 : 0);
+        if (inside == 1) length = lengths[k];
         oneEnd += inside == 1 ? 1 : 0;
         bothEnds += inside == 2 ? 1 : 0;
       }
-      // A hole of the design has more ends.
-      if (oneEnd != 1 || bothEnds > 0) continue;
+      // A hole of the design has more ends, or is larger.
+      if (oneEnd != 1 || bothEnds > 0 || extentOf(ring) > kRelief * length) continue;
       const auto count = std::erase_if(
           paths, [&](const DrawnPath* path) { return path->isClosed && path->points == ring; });
       if (count == 0) continue;
@@ -756,6 +771,49 @@ class CutPatternReader {
       }
       ++cuts.leftOut["relief at the end of a slit"];
     }
+  }
+
+  /// The tips of closed outlines, and their openings. `rings`: the closed lines, which count if
+  /// other lines connect them.
+  static void takeTips(std::vector<std::vector<Vector2>> rings, double tolerance, CutLines& cuts) {
+    Arrangement closed(cuts.lines, tolerance);
+    closed.dropBridges();
+    std::vector<std::vector<Vector2>> found;
+    std::vector<PlaneSegment> near;
+    bool areApart = true;
+    for (int c = 0; c < std::ssize(closed.cycles()); ++c) {
+      if (closed.areaOf(c) <= 0) continue;
+      std::vector<Vector2>& ring = found.emplace_back();
+      for (const int half : closed.cycles()[c]) {
+        areApart &= closed.areaOf(closed.cycleOf(half ^ 1)) <= 0;
+        ring.push_back(closed.at(closed.from(half)));
+        near.emplace_back(ring.back(), closed.at(closed.to(half)));
+      }
+    }
+    if (areApart) rings = std::move(found);
+    // Slits are in the material.
+    const int edges = static_cast<int>(near.size());
+    for (const auto& [first, last] : cuts.lines) {
+      const Vector2 middle = 0.5 * (first + last);
+      near.emplace_back(middle, middle);
+    }
+    std::vector<bool> isSlit(near.size() - edges, true);
+    visitNearSegments(near, 2 * tolerance, [&](int i, int j) {
+      if ((i < edges) == (j < edges)) return;
+      const Vector2& middle = near[std::max(i, j)].first;
+      if (distanceTo(near[std::min(i, j)], middle) <= tolerance)
+        isSlit[std::max(i, j) - edges] = false;
+    });
+    std::vector<Vector2> middles;
+    for (std::size_t k = 0; k < isSlit.size(); ++k) {
+      if (isSlit[k]) middles.push_back(near[edges + k].first);
+    }
+    std::map<std::string, int> frames;
+    if (middles.empty()) dropFrames(rings, frames);
+    rings = orientedRings(std::move(rings), middles);
+    cuts.tips = openingTips(rings, tolerance);
+    std::ranges::copy_if(rings, std::back_inserter(cuts.openings),
+                         [](const std::vector<Vector2>& ring) { return ringArea(ring) < 0; });
   }
 
   std::string describeGroups() const {

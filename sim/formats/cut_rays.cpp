@@ -31,7 +31,12 @@ class RayTracer {
     }
     std::vector<int> rayOf(lines.nodes().size(), -1);
     for (int k = 0; k < std::ssize(rays_); ++k) rayOf[rays_[k].node] = k;
-    for (CutRay& ray : rays_) findHit(ray, rayOf);
+    for (CutRay& ray : rays_) {
+      const int node = findHit(ray, lines_, tolerance_);
+      const int facing = node >= 0 ? rayOf[node] : -1;
+      const bool faces = facing >= 0 && rays_[facing].along.dot(ray.along) < -0.9;
+      ray.partner = faces ? facing : -1;
+    }
   }
 
   /// Finds the stop of every ray.
@@ -132,39 +137,6 @@ class RayTracer {
     return ray;
   }
 
-  void findHit(CutRay& ray, const std::vector<int>& rayOf) const {
-    for (const auto& [first, second] : lines_.edges()) {
-      if (first == ray.node || second == ray.node) continue;
-      // Whether there are ends of the line that the cut aims at.
-      bool hasEnd = false;
-      for (const int node : {first, second}) {
-        const Vector2 rest = lines_.at(node) - ray.from;
-        const double ahead = rest.dot(ray.along);
-        if (ahead <= tolerance_ ||
-            std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance_)) {
-          continue;
-        }
-        hasEnd = true;
-        if (ahead >= ray.hit) continue;
-        ray.hit = ahead;
-        ray.hitPlace = lines_.at(node);
-        const int facing = rayOf[node];
-        const bool faces = facing >= 0 && rays_[facing].along.dot(ray.along) < -0.9;
-        ray.partner = faces ? facing : -1;
-      }
-      if (hasEnd) continue;
-      const Vector2 a = lines_.at(first), line = lines_.at(second) - a;
-      const double area = crossOf(ray.along, line);
-      if (area == 0) continue;
-      const double ahead = crossOf(a - ray.from, line) / area;
-      const double share = crossOf(a - ray.from, ray.along) / area;
-      if (ahead <= tolerance_ || ahead >= ray.hit || share < 0 || share > 1) continue;
-      ray.hit = ahead;
-      ray.hitPlace = a + share * line;
-      ray.partner = -1;
-    }
-  }
-
   void stopAt(CutRay& ray, const Vector2& place) {
     ray.isRunning = false;
     ray.stop = (place - ray.from).norm();
@@ -199,6 +171,38 @@ class RayTracer {
 };
 
 }  // namespace
+
+int findHit(CutRay& ray, const Arrangement& lines, double tolerance) {
+  int aim = -1;
+  for (const auto& [first, second] : lines.edges()) {
+    if (first == ray.node || second == ray.node) continue;
+    // Whether there are ends of the line that the cut aims at.
+    bool hasEnd = false;
+    for (const int node : {first, second}) {
+      const Vector2 rest = lines.at(node) - ray.from;
+      const double ahead = rest.dot(ray.along);
+      if (ahead <= tolerance || std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance)) {
+        continue;
+      }
+      hasEnd = true;
+      if (ahead >= ray.hit) continue;
+      ray.hit = ahead;
+      ray.hitPlace = lines.at(node);
+      aim = node;
+    }
+    if (hasEnd) continue;
+    const Vector2 a = lines.at(first), line = lines.at(second) - a;
+    const double area = crossOf(ray.along, line);
+    if (area == 0) continue;
+    const double ahead = crossOf(a - ray.from, line) / area;
+    const double share = crossOf(a - ray.from, ray.along) / area;
+    if (ahead <= tolerance || ahead >= ray.hit || share < 0 || share > 1) continue;
+    ray.hit = ahead;
+    ray.hitPlace = a + share * line;
+    aim = -1;
+  }
+  return aim;
+}
 
 double CutRay::slack(double distance, double tolerance) const {
   return tolerance * (1 + distance / std::max(straight, tolerance)) + kAim * distance;

@@ -13,7 +13,7 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// An open end of a cut, and its straight continuation. Lengths in metres.
 struct CutRay {
-  int node = 0;                     ///< of the arrangement
+  int node = 0;                     ///< of the arrangement; -1 if it is none
   Vector2 from = Vector2::Zero();   ///< position of the end
   Vector2 along = Vector2::Zero();  ///< unit vector
   double straight = 0;              ///< straight length of the cut up to its end
@@ -36,6 +36,9 @@ struct CutRay {
 /// Finds the ray of every open end and its stop. `curveError`: deviation of straight pieces from
 /// their curve, metres; 0 without curves. `tolerance`: distance of points that are one, metres.
 std::vector<CutRay> traceCutRays(const Arrangement& lines, double curveError, double tolerance);
+
+/// Finds the first line of a ray. Returns the node that it aims at there, or -1.
+int findHit(CutRay& ray, const Arrangement& lines, double tolerance);
 
 /// Finds the tips of the rays: the last border of removed material that they cross, or of the
 /// slots, which have a width `kerf` > 0, the first one. Without a border tips are 0.

@@ -1,7 +1,8 @@
 // Finds the tiles and joints of a sheet.
 //
 // 1. *Rays*: each open end of a cut is extended straight (cut_rays.cpp).
-// 2. *Necks* are the rays up to a maximum width.
+// 2. *Necks* are the rays up to a maximum width. Tips of openings have rays too
+//    (opening_tips.cpp).
 // 3. *Tiles* are the faces between lines and necks. A face without a neck is not a tile: it falls
 //    out, or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
 // 4. *Joints* are at the far ends of the necks, the vertices of the design.
@@ -68,6 +69,7 @@ class SheetMaker {
     dropBeyondBorder(lines, scale);
     requireClosed(lines);
     takeNecks(scale);
+    takeTips();
     Arrangement whole = arranged();
     requireInside(lines, whole, scale);
     whole.dropBridges();
@@ -256,14 +258,100 @@ class SheetMaker {
       isExtended_.insert(k);
       const double aim = (ray.stopPlace - ray.from).dot(ray.along);
       moved_ = std::max(moved_, (ray.stopPlace - ray.from - aim * ray.along).norm());
-      if (ray.isJoined || ray.stop <= tolerance_) continue;
-      CutNeck& neck = necks_.emplace_back();
-      neck.ray = k;
-      neck.joint = ray.stopPlace;
-      if (!settings_.areJointsInNecks) continue;
-      const double share = (ray.tip + 0.5 * ray.width()) / ray.stop;
-      if (!ray.isFacing) neck.joint = ray.from + share * (ray.stopPlace - ray.from);
+      if (!ray.isJoined && ray.stop > tolerance_) addNeck(k);
     }
+  }
+
+  void addNeck(int number) {
+    const CutRay& ray = rays_[number];
+    CutNeck& neck = necks_.emplace_back();
+    neck.ray = number;
+    neck.joint = ray.stopPlace;
+    if (!settings_.areJointsInNecks || ray.isFacing) return;
+    const double share = (ray.tip + 0.5 * ray.width()) / ray.stop;
+    neck.joint = ray.from + share * (ray.stopPlace - ray.from);
+  }
+
+  /// Adds the necks at tips of openings.
+  void takeTips() {
+    firstTip_ = static_cast<int>(rays_.size());
+    if (cuts_.tips.empty()) return;
+    double known = 0, area = 0;
+    for (const CutNeck& neck : necks_) known = std::max(known, rays_[neck.ray].width());
+    const Arrangement whole = arranged();
+    int faces = 0;
+    for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+      if (whole.areaOf(c) <= 0 || isOpening(whole, c)) continue;
+      area += whole.areaOf(c);
+      ++faces;
+    }
+    const std::vector<CutRay> rays = traceTips(cuts_.tips, whole, tolerance_);
+    double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
+                                            : widestTip(rays, known, area, std::max(faces, 1));
+    // Without the widest necks until all are narrower than their tiles.
+    addTips(rays, widest);
+    while (const double wide = widestInTiles()) {
+      removeTips();
+      widest = wide * (1 - 1e-9);
+      addTips(rays, widest);
+    }
+  }
+
+  void addTips(const std::vector<CutRay>& rays, double widest) {
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      if (rays[k].stop > widest || rays[k].stop <= 0.5 * cuts_.kerf + tolerance_) continue;
+      isExtended_.insert(static_cast<int>(rays_.size()));
+      rays_.push_back(rays[k]);
+      addNeck(static_cast<int>(rays_.size()) - 1);
+      tipEnds_.push_back(rays[k].from);
+      tipEnds_.insert(tipEnds_.end(), cuts_.tips[k].ends.begin(), cuts_.tips[k].ends.end());
+    }
+  }
+
+  void removeTips() {
+    std::erase_if(necks_, [&](const CutNeck& neck) { return neck.ray >= firstTip_; });
+    std::erase_if(isExtended_, [&](int ray) { return ray >= firstTip_; });
+    rays_.resize(firstTip_);
+    tipEnds_.clear();
+  }
+
+  /// The widest neck at a tip that is not narrower than its tiles, of the width 4 area / perimeter,
+  /// or 0. Material between openings may be a frame.
+  double widestInTiles() const {
+    constexpr double kOfTile = 0.5;
+    Arrangement whole = arranged();
+    whole.dropBridges();
+    double widest = 0;
+    for (const CutNeck& neck : necks_) {
+      if (neck.ray < firstTip_) continue;
+      const std::optional<int> half = arriving(whole, neck);
+      if (!half) continue;
+      for (const int side : {*half, *half ^ 1}) {
+        double perimeter = 0;
+        for (const int edge : whole.cycles()[whole.cycleOf(side)]) {
+          perimeter += (whole.at(whole.to(edge)) - whole.at(whole.from(edge))).norm();
+        }
+        const double width = rays_[neck.ray].stop;
+        if (width * perimeter > kOfTile * 4 * whole.areaOf(whole.cycleOf(side))) {
+          widest = std::max(widest, width);
+        }
+      }
+    }
+    return widest;
+  }
+
+  /// Whether a cycle is the border of an opening: a point on its left is inside one.
+  bool isOpening(const Arrangement& whole, int cycle) const {
+    const auto lengthOf = [&](int half) {
+      return (whole.at(whole.to(half)) - whole.at(whole.from(half))).norm();
+    };
+    const int half = *std::ranges::max_element(whole.cycles()[cycle], {}, lengthOf);
+    const Vector2 along = whole.at(whole.to(half)) - whole.at(whole.from(half));
+    const Vector2 left = Vector2(-along.y(), along.x()).normalized();
+    const Vector2 place = whole.at(whole.from(half)) + 0.5 * along + 4 * tolerance_ * left;
+    return std::ranges::any_of(cuts_.openings, [&](const std::vector<Vector2>& opening) {
+      return isWithinRing(opening, place);
+    });
   }
 
   Arrangement arranged() const {
@@ -346,8 +434,9 @@ class SheetMaker {
     for (const CutNeck& neck : necks_) {
       const CutRay& ray = rays_[neck.ray];
       const std::optional<int> half = arriving(whole, neck);
+      const bool isTip = neck.ray >= firstTip_;
       if (!half) {
-        ++leftOut_["cut that separates no tiles"];
+        if (!isTip) ++leftOut_["cut that separates no tiles"];
         continue;
       }
       const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
@@ -429,8 +518,8 @@ class SheetMaker {
         }
         isLikeTile |= hasNeck_[other] && std::abs(whole.areaOf(faces_[other]) - area) < 0.01 * area;
       }
-      const bool isShared = facesOf[partOf(f)] > 1;
-      if (isShared && (isLikeTile || sheets.empty())) {
+      const bool isShared = facesOf[partOf(f)] > 1, isOpen = isOpening(whole, faces_[f]);
+      if (isShared && !isOpen && (isLikeTile || sheets.empty())) {
         const Vector2 piece = inner(whole, faces_[f]);
         if (sheets.empty()) throw withoutNecks(piece);
         throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing. End a cut around it "
@@ -439,6 +528,8 @@ class SheetMaker {
       }
       if (isWithin)
         ++leftOut_["hole in a tile"];
+      else if (isOpen)
+        ++leftOut_["opening between tiles"];
       else if (isShared) {
         if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
         ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
@@ -455,7 +546,11 @@ class SheetMaker {
   model::Model model(const Arrangement& whole) const {
     std::set<int> cutEnds;
     for (const int k : isExtended_) {
-      if (const auto node = whole.nodeAt(rays_[k].from)) cutEnds.insert(*node);
+      const auto node = whole.nodeAt(rays_[k].from);
+      if (k < firstTip_ && node && whole.leaving(*node).size() <= 2) cutEnds.insert(*node);
+    }
+    for (const Vector2& end : tipEnds_) {
+      if (const auto node = whole.nodeAt(end)) cutEnds.insert(*node);
     }
     // Half edges that start at a joint of their tile.
     std::set<int> corners;
@@ -503,9 +598,7 @@ class SheetMaker {
                                const std::set<int>& joints, const std::set<int>& cutEnds) const {
     std::vector<int> halves;
     for (const int half : cycle) {
-      const bool isEnd =
-          cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
-      if (!isEnd || joints.contains(half)) halves.push_back(half);
+      if (!cutEnds.contains(whole.from(half)) || joints.contains(half)) halves.push_back(half);
     }
     // Starts at the lowest of the leftmost points, which is always a corner.
     const auto first = std::ranges::min_element(halves, {}, [&](int half) {
@@ -549,9 +642,11 @@ class SheetMaker {
   std::vector<CutRay> rays_;
   std::set<int> isExtended_;
   std::vector<CutNeck> necks_;
-  std::vector<int> faces_;     // anticlockwise cycles
-  std::vector<int> faceOf_;    // by cycles
-  std::vector<bool> hasNeck_;  // of faces
+  int firstTip_ = 0;              // of rays_; then those of the tips follow
+  std::vector<Vector2> tipEnds_;  // vertices at tips with necks, no corners of tiles
+  std::vector<int> faces_;        // anticlockwise cycles
+  std::vector<int> faceOf_;       // by cycles
+  std::vector<bool> hasNeck_;     // of faces
   std::vector<FaceJoint> joints_;
   double moved_ = 0;
 };

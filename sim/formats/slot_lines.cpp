@@ -199,8 +199,18 @@ std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, do
   return found;
 }
 
+/// The median width of slots, by length. Pairs that are much wider than others that are longer than
+/// wide are openings.
 double medianWidth(std::vector<FacingEdges> pairs) {
+  constexpr double kWider = 4;
   std::ranges::sort(pairs, {}, &FacingEdges::width);
+  double slot = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (slot > 0 && pairs[k].width > kWider * slot)
+      pairs.resize(k);
+    else if (pairs[k].length > pairs[k].width)
+      slot = pairs[k].width;
+  }
   double whole = 0, sum = 0;
   for (const FacingEdges& pair : pairs) whole += pair.length;
   for (const FacingEdges& pair : pairs) {
@@ -246,17 +256,28 @@ Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, dou
   return (bend - place).norm() <= near ? bend : place;
 }
 
-/// Removes rings around one outline that itself contains rings. The largest ring comes first.
-void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
+}  // namespace
+
+double extentOf(const SlotRing& ring) {
+  Eigen::AlignedBox2d box;
+  for (const Vector2& point : ring) box.extend(point);
+  return box.diagonal().norm();
+}
+
+void dropFrames(std::vector<SlotRing>& rings, std::map<std::string, int>& leftOut) {
+  std::ranges::stable_sort(rings, std::greater<>(),
+                           [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
   const auto holdsFrom = [&](std::size_t outer) {
     return std::all_of(rings.begin() + static_cast<std::ptrdiff_t>(outer) + 1, rings.end(),
                        [&](const SlotRing& ring) { return holds(rings[outer], ring); });
   };
   while (rings.size() > 2 && holdsFrom(0) && holdsFrom(1)) {
     rings.erase(rings.begin());
-    ++cuts.leftOut["frame around the sheet"];
+    ++leftOut["frame around the sheet"];
   }
 }
+
+namespace {
 
 /// Finds narrow faces that open lines enclose together with other lines, such as the mouths of
 /// slots at the outline. `slits` receives the open lines that enclose none.
@@ -384,9 +405,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const D
                    double tolerance) {
   CutLines cuts;
   std::vector<SlotRing> all = rings;
-  std::ranges::stable_sort(all, std::greater<>(),
-                           [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
-  dropFrames(all, cuts);
+  dropFrames(all, cuts.leftOut);
   std::vector<SlotRing> sheets, removed;
   for (const SlotRing& ring : all) {
     const bool isIn = std::ranges::any_of(sheets, [&](const SlotRing& sheet) {
@@ -447,16 +466,24 @@ CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const D
   for (const SlotRing& hole : holes) {
     // A hole at the end of one slot is a relief. Several slots may end at a hole of the design.
     int slots = 0;
+    bool isRelief = false;
     for (int k = 0; k < ends.count(); ++k) {
       if (linesAt[k].size() != 1) continue;
       double nearest = isWithinRing(hole, places[k]) ? 0 : 1e9;
       for (const Vector2& point : hole) nearest = std::min(nearest, (point - places[k]).norm());
-      slots += nearest < 1.5 * cuts.kerf ? 1 : 0;
+      if (nearest >= 1.5 * cuts.kerf) continue;
+      ++slots;
+      isRelief = extentOf(hole) <= kRelief * lengths[partOf[k]];
     }
-    if (slots == 0) ++cuts.leftOut["hole in a tile"];
-    if (slots < 2) continue;
+    const bool isRound = openingTips({hole}, tolerance).empty();
+    if (slots == 0 && isRound) ++cuts.leftOut["hole in a tile"];
+    if (slots == 1 ? isRelief : slots == 0 && isRound) continue;
     for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
+    cuts.openings.push_back(hole);
   }
+  std::vector<SlotRing> bounds = outlines;
+  bounds.insert(bounds.end(), cuts.openings.begin(), cuts.openings.end());
+  cuts.tips = openingTips(bounds, tolerance);
   cuts.lines.insert(cuts.lines.end(), slits.begin(), slits.end());
   cuts.border = border;
   return cuts;

@@ -238,6 +238,50 @@ TEST(Patterns, DoNotDependOnTheDirectionOfTheirLines) {
   }
 }
 
+/// The text with other names of layers.
+std::string renamed(std::string text) {
+  for (const char* name : {"cuts", "slits"}) {
+    const std::string id = fmt::format("id=\"{}\"", name);
+    text.replace(text.find(id), id.size(), "class=\"laser\"");
+  }
+  return text;
+}
+
+// Openings between tiles are wider than slots. Their tips stop short of other corners.
+TEST(Patterns, OfOpenSheetsNeedNoNamesOfLayers) {
+  for (const auto& [name, start] :
+       std::vector<std::pair<const char*, double>>{{"tessellation", 20},
+                                                   {"tessellation", 70},
+                                                   {"quads", 40},
+                                                   {"triangles", 220},
+                                                   {"hexagons", 30},
+                                                   {"stars", 30},
+                                                   {"crosses", 30},
+                                                   {"stampfli-removal", 0},
+                                                   {"penrose-removal", 0},
+                                                   {"ammann-beenker-removal", 0}}) {
+    std::map<std::string, double> given;
+    if (start > 0) given["start-angle"] = start;
+    const model::Model drawn = generate::generateModel(generate::familyNamed(name), given);
+    const double size = model::modelSize(drawn);
+    for (const double width : {0.02, 0.05}) {
+      std::vector<writers::PatternLine> lines =
+          writers::cutPattern(drawn, width * leastEdge(drawn));
+      std::erase_if(lines, [](const writers::PatternLine& line) {
+        return line.layer == writers::PatternLayer::Hinges;
+      });
+      const TemporaryFolder folder;
+      folder.write("a.svg", renamed(writers::patternSvg(lines)));
+      std::vector<std::string> warnings;
+      SCOPED_TRACE(fmt::format("{} from {} degrees, width {}", name, start, width));
+      const model::Model read = formats::readModel(folder / "a.svg", std::nullopt, warnings);
+      EXPECT_EQ(read.tiles.size(), drawn.tiles.size());
+      EXPECT_EQ(placesOf(read, size).size(), drawn.joints.size());
+      EXPECT_EQ(placesOf(read, size), placesOf(drawn, size));
+    }
+  }
+}
+
 // A fallback that ignores the hinges must not make one tile of two.
 TEST(Patterns, KeepEachHingeOrAreRefused) {
   const std::string text =

@@ -1,0 +1,263 @@
+// Finds necks between openings that are wider than slots, as in sheets that are drawn partly open.
+//
+// 1. *Tips*: between two sides of a ring is a chain of vertices that turns around the opening. Its
+//    edges are shorter than half of both sides. Of all chains those between the longest sides are
+//    tips.
+// 2. *Rays* follow the bisector of the sides. They stop at the next line, or at a corner if they
+//    aim at it. The designer's mechanism closes there.
+#include "sim/formats/opening_tips.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace kirireel::formats {
+namespace {
+
+using TipRing = std::vector<Vector2>;
+
+// Maximum deviation of a tip's direction from another tip, as a fraction of the distance. Rounding
+// and fillets bend short tips.
+constexpr double kTipAim = 0.25;
+constexpr double kFacing = -0.5;  // largest cosine between tips that face each other
+constexpr double kLeastTurn = std::numbers::pi / 6;  // of the sides, radians
+constexpr std::size_t kMostVertices = 40;            // of a tip
+
+/// The ring without vertices on straight lines.
+TipRing withoutStraight(const TipRing& ring, double tolerance) {
+  TipRing kept;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Vector2& before = kept.empty() ? ring.back() : kept.back();
+    const Vector2 whole = ring[(k + 1) % ring.size()] - before, part = ring[k] - before;
+    if (std::abs(crossOf(whole, part)) > tolerance * whole.norm() || whole.dot(part) < 0) {
+      kept.push_back(ring[k]);
+    }
+  }
+  return kept;
+}
+
+/// Whether a ring is a slot: much longer than wide.
+bool isSlender(const TipRing& ring) {
+  constexpr double kSlender = 0.05;  // of 4 area / perimeter^2; 0.25 for a square
+  double perimeter = (ring.front() - ring.back()).norm();
+  for (std::size_t k = 1; k < ring.size(); ++k) perimeter += (ring[k] - ring[k - 1]).norm();
+  return ringArea(ring) < 0 && -4 * ringArea(ring) < kSlender * perimeter * perimeter;
+}
+
+/// The angle by which the direction turns clockwise, around the opening, (-pi, pi].
+double turnOf(const Vector2& from, const Vector2& to) {
+  return -std::atan2(crossOf(from, to), from.dot(to));
+}
+
+struct TipChain {
+  std::size_t first = 0, count = 1;  // of the vertices
+  double side = 0;                   // length of the shorter side
+};
+
+class RingTips {
+ public:
+  explicit RingTips(const TipRing& ring) : ring_(ring) {}
+
+  std::vector<OpeningTip> find() const {
+    std::vector<TipChain> chains;
+    for (std::size_t k = 0; k < ring_.size(); ++k) collectFrom(k, chains);
+    std::ranges::stable_sort(chains, std::greater<>(), &TipChain::side);
+    std::vector<bool> isTaken(ring_.size(), false);
+    std::vector<OpeningTip> tips;
+    for (const TipChain& chain : chains) {
+      bool isFree = true;
+      for (std::size_t k = 0; k < chain.count; ++k) isFree &= !isTaken[index(chain.first + k)];
+      if (!isFree) continue;
+      for (std::size_t k = 0; k < chain.count; ++k) isTaken[index(chain.first + k)] = true;
+      tips.push_back(tipOf(chain));
+    }
+    return tips;
+  }
+
+ private:
+  std::size_t index(std::size_t k) const { return k % ring_.size(); }
+  const Vector2& at(std::size_t k) const { return ring_[index(k)]; }
+  Vector2 edge(std::size_t k) const { return at(k + 1) - at(k); }
+  Vector2 sideBefore(const TipChain& chain) const { return edge(chain.first + ring_.size() - 1); }
+  Vector2 sideAfter(const TipChain& chain) const { return edge(chain.first + chain.count - 1); }
+
+  /// Chains that start at this vertex.
+  void collectFrom(std::size_t first, std::vector<TipChain>& chains) const {
+    TipChain chain{first, 1, 0};
+    double turn = 0, longest = 0;
+    for (; chain.count <= std::min(kMostVertices, ring_.size() - 2); ++chain.count) {
+      const std::size_t last = first + chain.count - 1;
+      const double corner = turnOf(edge(last + ring_.size() - 1), edge(last));
+      turn += corner;
+      if (chain.count > 1) longest = std::max(longest, edge(last - 1).norm());
+      if (corner <= 0 || turn >= std::numbers::pi) return;
+      chain.side = std::min(sideBefore(chain).norm(), sideAfter(chain).norm());
+      const double width = (at(last) - at(first)).norm();
+      if (turn >= kLeastTurn && 2 * longest < chain.side && width < chain.side) {
+        chains.push_back(chain);
+      }
+    }
+  }
+
+  OpeningTip tipOf(const TipChain& chain) const {
+    OpeningTip tip;
+    const Vector2 before = sideBefore(chain).normalized(), after = sideAfter(chain).normalized();
+    tip.along = (before - after).normalized();
+    tip.straight = chain.side;
+    tip.isSharp = chain.count == 1;
+    for (std::size_t k = 0; k < chain.count; ++k) tip.ends.push_back(at(chain.first + k));
+    tip.from = tip.ends.front();
+    if (tip.isSharp) return tip;
+    // The chain where it crosses the bisector.
+    const Vector2 apart = tip.ends.back() - tip.ends.front();
+    const Vector2 apex = tip.ends.front() + crossOf(apart, after) / crossOf(before, after) * before;
+    tip.from = 0.5 * (tip.ends.front() + tip.ends.back());
+    for (std::size_t k = 0; k + 1 < tip.ends.size(); ++k) {
+      const double one = crossOf(tip.along, tip.ends[k] - apex);
+      const double other = crossOf(tip.along, tip.ends[k + 1] - apex);
+      if ((one > 0) == (other > 0)) continue;
+      tip.from = tip.ends[k] + one / (one - other) * (tip.ends[k + 1] - tip.ends[k]);
+    }
+    return tip;
+  }
+
+  const TipRing& ring_;
+};
+
+/// Drops the rays of sharp tips at which other rays stop: their necks are there. Shorter rays count
+/// first, after those of tips that are not sharp.
+void dropAims(const std::vector<OpeningTip>& tips, double tolerance, std::vector<CutRay>& rays) {
+  std::vector<std::size_t> order(rays.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t k) { return std::pair(tips[k].isSharp, rays[k].stop); });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const CutRay& ray = rays[order[i]];
+    if (ray.stop == kNever || ray.isFacing) continue;
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      CutRay& aim = rays[order[j]];
+      const bool isAim = (aim.from - ray.stopPlace).norm() <= 2 * tolerance;
+      if (isAim && tips[order[j]].isSharp) aim.stop = kNever;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector<Vector2>& within) {
+  std::ranges::stable_sort(rings, std::greater<>(),
+                           [](const TipRing& ring) { return std::abs(ringArea(ring)); });
+  const auto depthOf = [&](const Vector2& point) {
+    return std::ranges::count_if(rings,
+                                 [&](const TipRing& ring) { return isWithinRing(ring, point); });
+  };
+  const auto isFramed = [&] {
+    const auto outside = std::ranges::count_if(
+        within, [&](const Vector2& point) { return depthOf(point) % 2 == 0; });
+    return 2 * outside > std::ssize(within);
+  };
+  while (!rings.empty() && isFramed()) rings.erase(rings.begin());
+  for (TipRing& ring : rings) {
+    // A ring may touch others at its corners.
+    const Vector2 middle = 0.5 * (ring[0] + ring[1]);
+    const auto around = std::ranges::count_if(rings, [&](const TipRing& other) {
+      return &other != &ring && isWithinRing(other, middle);
+    });
+    if ((ringArea(ring) > 0) != (around % 2 == 0)) std::ranges::reverse(ring);
+  }
+  return rings;
+}
+
+std::vector<OpeningTip> openingTips(const std::vector<TipRing>& rings, double tolerance) {
+  std::vector<OpeningTip> tips;
+  for (const TipRing& ring : rings) {
+    if (isSlender(ring)) continue;
+    const TipRing corners = withoutStraight(ring, tolerance);
+    if (corners.size() < 3) continue;
+    const std::vector<OpeningTip> found = RingTips(corners).find();
+    tips.insert(tips.end(), found.begin(), found.end());
+  }
+  return tips;
+}
+
+std::vector<CutRay> traceTips(const std::vector<OpeningTip>& tips, const Arrangement& lines,
+                              double tolerance) {
+  std::vector<CutRay> rays(tips.size());
+  std::vector<int> facing(tips.size(), -1);
+  for (std::size_t k = 0; k < tips.size(); ++k) {
+    CutRay& ray = rays[k];
+    ray.from = tips[k].from;
+    ray.along = tips[k].along;
+    ray.straight = tips[k].straight;
+    ray.node = -1;
+    ray.isRunning = false;
+    findHit(ray, lines, tolerance);
+    double nearest = kNever;
+    for (std::size_t other = 0; other < tips.size(); ++other) {
+      const Vector2 rest = tips[other].from - ray.from;
+      const double ahead = rest.dot(ray.along);
+      const double slack = std::max(ray.slack(ahead, tolerance), kTipAim * ahead);
+      if (other == k || ahead <= tolerance || ahead > std::min(ray.hit + slack, nearest)) continue;
+      if (tips[other].along.dot(ray.along) > kFacing) continue;
+      if (std::abs(crossOf(ray.along, rest)) > slack) continue;
+      facing[k] = static_cast<int>(other);
+      nearest = ahead;
+    }
+  }
+  for (std::size_t k = 0; k < tips.size(); ++k) {
+    CutRay& ray = rays[k];
+    const auto node = lines.nodeAt(ray.from);
+    const bool isUsed = tips[k].isSharp && node && lines.leaving(*node).size() > 2;
+    if (isUsed || ray.hit == kNever) continue;
+    ray.stopPlace = ray.hitPlace;
+    if (facing[k] >= 0) {
+      const OpeningTip& other = tips[facing[k]];
+      if (tips[k].isSharp && !other.isSharp) continue;  // the other ray runs to this corner
+      const bool isMutual = facing[facing[k]] == static_cast<int>(k);
+      ray.isFacing = isMutual && tips[k].isSharp == other.isSharp;
+      if (ray.isFacing) {
+        ray.stopPlace = 0.5 * (ray.from + other.from);
+      } else if (other.isSharp) {
+        ray.stopPlace = other.from;
+      }
+    }
+    ray.stop = (ray.stopPlace - ray.from).norm();
+  }
+  dropAims(tips, tolerance, rays);
+  return rays;
+}
+
+double widestTip(const std::vector<CutRay>& rays, double known, double area, int faces) {
+  constexpr double kOfKnown = 2;
+  constexpr double kOfTile = 0.5;
+  // Narrower necks are alike, as a fraction of a tile.
+  constexpr double kNarrow = 0.02;
+  std::vector<double> widths;
+  for (const CutRay& ray : rays) {
+    if (ray.stop < kNever) widths.push_back(ray.stop);
+  }
+  if (widths.empty()) return 0;
+  std::ranges::sort(widths);
+  // Two necks make a tile.
+  const auto tile = [&](std::size_t necks) {
+    return std::sqrt(area / (faces + 0.5 * static_cast<double>(necks)));
+  };
+  std::size_t count = 0;
+  while (count < widths.size() && widths[count] < kOfTile * tile(count + 1)) ++count;
+  if (count == 0) return 0;
+  const double most = kOfTile * tile(count);
+  if (known > 0) return std::min(kOfKnown * known, most);
+  widths.resize(count);
+  widths.push_back(most);
+  std::size_t best = 0;
+  const auto ratio = [&](std::size_t k) {
+    return widths[k + 1] / std::max(widths[k], kNarrow * tile(count));
+  };
+  for (std::size_t k = 1; k < count; ++k) {
+    if (ratio(k) >= ratio(best)) best = k;
+  }
+  return 0.5 * (widths[best] + widths[best + 1]);
+}
+
+}  // namespace kirireel::formats
