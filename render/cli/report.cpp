@@ -301,7 +301,7 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
     text += summary.forbiddenOverlap > 0
                 ? fmt::format(", but tiles overlap by {}",
                               lengthText(summary.forbiddenOverlap, scene.model.unit, 2))
-                : ", but the search used up its budget (--search-effort)";
+                : ", but " + summary.shortfall;
   }
   return fmt::format("{}; exit code {}", text, kExitShort);
 }

@@ -129,8 +129,8 @@ void requireMotion(const scene::Scene& scene, const path::PlannedPath& planned) 
       "(`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
-/// The misfit of tiles whose corners coincide but whose redundant joints do not hold exactly, as in
-/// designs from an optimiser; metres. 0 if they do, or if it is unknown.
+/// The misfit of tiles whose corners nearly coincide but whose redundant joints do not hold exactly,
+/// as in designs from an optimiser; metres. 0 if they do, or if it is unknown.
 double mechanismMisfit(const scene::Scene& scene) {
   if (scene.model.rounding > 0) return 0;
   const trajectory::Mobility found = trajectory::mobility(
@@ -138,7 +138,17 @@ double mechanismMisfit(const scene::Scene& scene) {
       scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
       scene.brick.thickness);
   if (found.areBounds || found.largestDropped <= model::kClosedShare) return 0;
-  return found.largestDropped * model::tileSize(scene.model);
+  return std::max(found.largestDropped * model::tileSize(scene.model),
+                  model::largestJointGap(scene.model.joints, scene.model.tiles));
+}
+
+/// Whether a path with exact joints has closed ones at its end. If tiles do not fit each other,
+/// exact joints open.
+bool endsClosed(const scene::Scene& scene, const run::MechanismPath& path) {
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  return trajectory::jointGap(pivots, path.states.back()).max <=
+         run::kOpenJoints * model::tileSize(scene.model);
 }
 
 /// The path to full extension. Tiles with a misfit keep that tolerance, unless exact joints lead
@@ -153,7 +163,8 @@ void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
   loose.model.rounding = misfit;
   path::PlannedPath other = path::planExtension(loose, budget, watch);
   if (!path::isCollisionFree(loose, *other.path)) return;
-  const bool isFree = path::isCollisionFree(scene, *found.planned.path);
+  const bool isFree = path::isCollisionFree(scene, *found.planned.path) &&
+                      endsClosed(scene, found.planned.path->path);
   const double length = isFree ? found.planned.path->path.length() : 0;
   if (other.path->path.length() < kShorter * length) return;
   found.planned = std::move(other);
@@ -392,6 +403,13 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
     result.forbiddenOverlap = grown;
     faults.push_back(
         fmt::format("bricks overlap by up to {}", model::lengthInTiles(grown, scene.model)));
+  }
+  const bool isExact = found.planned.path && !found.planned.path->hasCompliantJoints;
+  if (isExact && result.accuracy.jointGapEnd > run::kOpenJoints * tile) {
+    faults.push_back(fmt::format(
+        "joints are open by {} at the end, because the tiles do not fit each other. Correct their "
+        "corners, or use `joint_ratio`",
+        model::lengthInTiles(result.accuracy.jointGapEnd, scene.model)));
   }
   if (isCutShort(found, result, isOverlapping)) {
     faults.push_back("the search for a path spent its budget. Raise `search_effort`");

@@ -609,6 +609,21 @@ TEST(Continuation, ExtendsTilesThatFitToATolerance) {
   }
 }
 
+/// Corners of each tile moved by a thousandth: no state closes the joints. Such a run is no
+/// success.
+TEST(Continuation, ReportsTilesThatDoNotFit) {
+  model::Model model = generate::generateModel(generate::familyNamed("quads"), {});
+  model.target.reset();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(-1e-3, 1e-3);
+  for (model::Tile& tile : model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex += Vector3(part(random), part(random), 0);
+  }
+  const run::DeploymentResult run = deploy::deploy(sceneOf(model), 1, nullptr);
+  EXPECT_GT(run.accuracy.jointGapEnd, 0.1);  // measured: 0.7
+  EXPECT_THAT(run.shortfall, testing::HasSubstr("the tiles do not fit each other"));
+}
+
 bool isAnnounced(const run::DeploymentResult& run) {
   return std::ranges::any_of(run.warnings, [](const std::string& warning) {
     return warning.find("tiles overlap by up to") != std::string::npos;
