@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -552,6 +553,7 @@ class SheetMaker {
     for (const Vector2& end : tipEnds_) {
       if (const auto node = whole.nodeAt(end)) cutEnds.insert(*node);
     }
+    const std::set<int> bends = bendsOf(whole, cutEnds);
     // Half edges that start at a joint of their tile.
     std::set<int> corners;
     const auto next = [&](int half) {
@@ -568,7 +570,8 @@ class SheetMaker {
     std::map<int, model::Corner> cornerAt;
     for (int f = 0; f < std::ssize(faces_); ++f) {
       if (!hasNeck_[f]) continue;
-      std::vector<int> kept = keptCorners(whole, whole.cycles()[faces_[f]], corners, cutEnds);
+      std::vector<int> kept =
+          keptCorners(whole, whole.cycles()[faces_[f]], corners, cutEnds, bends);
       model::Tile& tile = model.tiles.emplace_back();
       for (const int half : kept) {
         cornerAt[half] = {static_cast<int>(model.tiles.size()) - 1,
@@ -592,13 +595,57 @@ class SheetMaker {
     double width;  // of the neck, metres
   };
 
+  /// Nodes of two lines that are corners of both tiles next to them, of the chains between other
+  /// nodes. `cutEnds` are none.
+  std::set<int> bendsOf(const Arrangement& whole, const std::set<int>& cutEnds) const {
+    std::set<int> bends;
+    std::vector<bool> isVisited(whole.edges().size(), false);
+    const auto follow = [&](int half) {
+      const int start = whole.from(half);
+      std::vector<int> nodes = {start};
+      for (bool continues = true; continues;) {
+        isVisited[half / 2] = true;
+        const int node = whole.to(half);
+        continues = whole.leaving(node).size() == 2 && node != start;
+        if (!cutEnds.contains(node) || !continues) nodes.push_back(node);
+        if (!continues) break;
+        const std::vector<int>& leaving = whole.leaving(node);
+        half = leaving[0] == (half ^ 1) ? leaving[1] : leaving[0];
+      }
+      std::vector<Vector2> chain;
+      for (const int node : nodes) chain.push_back(whole.at(node));
+      const std::vector<bool> isKept = simplifiedChain(chain, tolerance_);
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        if (isKept[k] && whole.leaving(nodes[k]).size() == 2) bends.insert(nodes[k]);
+      }
+    };
+    // Rings start at the lowest of their leftmost nodes, which is a corner.
+    std::vector<int> halves(2 * whole.edges().size());
+    std::iota(halves.begin(), halves.end(), 0);
+    std::ranges::stable_sort(halves, {}, [&](int half) {
+      const Vector2& at = whole.at(whole.from(half));
+      return std::pair(at.x(), at.y());
+    });
+    for (const bool isRing : {false, true}) {
+      for (const int half : halves) {
+        const bool isStart = isRing || whole.leaving(whole.from(half)).size() != 2;
+        if (isStart && !isVisited[half / 2]) follow(half);
+      }
+    }
+    return bends;
+  }
+
   /// Half edges whose starts stay corners: joints, and points that deviate from a straight line by
   /// more than the tolerance.
   std::vector<int> keptCorners(const Arrangement& whole, const std::vector<int>& cycle,
-                               const std::set<int>& joints, const std::set<int>& cutEnds) const {
+                               const std::set<int>& joints, const std::set<int>& cutEnds,
+                               const std::set<int>& bends) const {
     std::vector<int> halves;
     for (const int half : cycle) {
-      if (!cutEnds.contains(whole.from(half)) || joints.contains(half)) halves.push_back(half);
+      const int node = whole.from(half);
+      const bool isStraight =
+          cutEnds.contains(node) || (whole.leaving(node).size() == 2 && !bends.contains(node));
+      if (!isStraight || joints.contains(half)) halves.push_back(half);
     }
     // Starts at the lowest of the leftmost points, which is always a corner.
     const auto first = std::ranges::min_element(halves, {}, [&](int half) {
@@ -624,7 +671,8 @@ class SheetMaker {
       const int half = halves[k % halves.size()];
       chain.push_back(whole.at(whole.from(half)));
       chainHalves.push_back(half);
-      const bool isSure = k == halves.size() || half == far || joints.contains(half);
+      const bool isSure = k == halves.size() || half == far || joints.contains(half) ||
+                          bends.contains(whole.from(half));
       if (k == 0 || !isSure) continue;
       flush();
       chain = {chain.back()};

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/formats/middle_lines.h"
 #include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
 #include "tests/support/files.h"
@@ -656,6 +657,42 @@ TEST(CutPatterns, CurvedOutlinesAndCuts) {
   EXPECT_EQ(halves.refusal, "");
   EXPECT_EQ(halves.model.tiles.size(), 2U);
   EXPECT_EQ(halves.model.joints.size(), 1U);
+}
+
+/// The largest distance of a corner of one tile from the sides of others that it is inside of.
+double deepestCorner(const model::Model& model) {
+  double deepest = 0;
+  for (const model::Tile& tile : model.tiles) {
+    for (const model::Tile& other : model.tiles) {
+      if (&tile == &other) continue;
+      std::vector<Point> ring;
+      for (const Vector3& vertex : other.vertices) ring.emplace_back(vertex.head<2>());
+      for (const Vector3& vertex : tile.vertices) {
+        const Point point = vertex.head<2>();
+        if (!isWithinRing(ring, point)) continue;
+        double nearest = 1e9;
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+          nearest = std::min(nearest, distanceTo({ring[k], ring[(k + 1) % ring.size()]}, point));
+        }
+        deepest = std::max(deepest, nearest);
+      }
+    }
+  }
+  return deepest;
+}
+
+TEST(CutPatterns, TilesShareTheCornersOfCurves) {
+  const SlitGrid grid(4, [] { return 1.2; });
+  std::string text = closedPath(grid.outline());
+  for (const auto& [a, b] : grid.slits) {
+    const Point side = 0.15 * Point(a.y() - b.y(), b.x() - a.x());
+    const Point first = a + (b - a) / 3 + side, second = b + (a - b) / 3 - side;
+    text += fmt::format("<path d=\"M{} {}C{} {} {} {} {} {}\"/>", a.x(), a.y(), first.x(),
+                        first.y(), second.x(), second.y(), b.x(), b.y());
+  }
+  const Reading reading = read("a.svg", page(text));
+  EXPECT_EQ(reading.model.joints.size(), 24U) << reading.refusal;
+  EXPECT_LE(deepestCorner(reading.model), 1e-12);  // m
 }
 
 TEST(CutPatterns, SeveralSheetsAreOneModel) {
