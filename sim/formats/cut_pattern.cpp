@@ -698,6 +698,33 @@ class CutPatternReader {
     }
   }
 
+  /// Removes parts of the drawing that are one ring around another part with most open ends: the
+  /// frames of pages. `boxes`: of the parts with faces, by their numbers. Returns their numbers.
+  static std::set<int> dropFrameParts(const Arrangement& lines, const std::vector<int>& parts,
+                                      std::map<int, Eigen::AlignedBox2d>& boxes) {
+    std::vector<Vector2> ends;
+    std::set<int> rings;
+    for (const auto& [part, box] : boxes) rings.insert(part);
+    for (int node = 0; node < std::ssize(parts); ++node) {
+      if (lines.leaving(node).size() == 1) ends.push_back(lines.at(node));
+      if (lines.leaving(node).size() != 2) rings.erase(parts[node]);
+    }
+    const auto isFramed = [&](const auto& box) {
+      return std::ranges::any_of(boxes, [&](const auto& other) {
+        const auto inside =
+            std::ranges::count_if(ends, [&](const Vector2& p) { return other.second.contains(p); });
+        return other.first != box.first && box.second.contains(other.second) &&
+               2 * inside > std::ssize(ends);
+      });
+    };
+    std::set<int> frames;
+    for (const auto& box : boxes) {
+      if (rings.contains(box.first) && isFramed(box)) frames.insert(box.first);
+    }
+    for (const int part : frames) boxes.erase(part);
+    return frames;
+  }
+
   /// Removes crosses and similar marks outside the sheet. They may have faces if they are small and
   /// have open ends outside of these.
   void dropMarksOutside(std::vector<const DrawnPath*>& paths,
@@ -711,6 +738,7 @@ class CutPatternReader {
         boxes[parts[lines.from(half)]].extend(lines.at(lines.from(half)));
       }
     }
+    const std::set<int> frames = dropFrameParts(lines, parts, boxes);
     if (boxes.empty()) return;
     constexpr double kMark = 0.1;  // of the largest part
     const auto sizeOf = [](const auto& box) { return box.second.diagonal().norm(); };
@@ -729,6 +757,12 @@ class CutPatternReader {
                                    [&](const Vector2& p) { return box.second.contains(p); });
       });
     };
+    const auto isFrame = [&](const DrawnPath* path) {
+      const auto node = lines.nodeAt(path->points.front());
+      return node && frames.contains(parts[*node]);
+    };
+    std::erase_if(paths, isFrame);
+    if (!frames.empty()) leftOut["frame around the sheet"] += static_cast<int>(frames.size());
     const auto count = std::erase_if(paths, isOutside);
     if (count > 0) leftOut["line outside the sheet"] += static_cast<int>(count);
   }

@@ -549,6 +549,11 @@ TEST(CutPatterns, RegistrationMarksAreOmitted) {
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M-5 -5H-3M-4 -6V-4\"/>"
                                          "<circle cx=\"-4\" cy=\"-4\" r=\"1\"/>")),
                   "3 x line outside the sheet");
+  // The same within the frame of a page.
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M-5 -5H-3M-4 -6V-4\"/>"
+                                         "<circle cx=\"-4\" cy=\"-4\" r=\"1\"/>"
+                                         "<rect x=\"-9\" y=\"-9\" width=\"99\" height=\"99\"/>")),
+                  "1 x frame around the sheet, 3 x line outside the sheet");
 }
 
 TEST(CutPatterns, FilledShapesAreSlotsIfTheSheetHasNoOthers) {
