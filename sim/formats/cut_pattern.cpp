@@ -433,8 +433,25 @@ class CutPatternReader {
         return false;
       };
       const auto marks = std::ranges::count_if(group->paths, isMark);
-      if (5 * marks >= 4 * std::ssize(group->paths)) group->role = "hinge mark";
+      if (5 * marks >= 4 * std::ssize(group->paths) || areBridges(*group, others)) {
+        group->role = "hinge mark";
+      }
     }
+  }
+
+  /// Whether a group of short straight lines would cut hinges between the other lines.
+  bool areBridges(const LineGroup& group, const std::vector<const DrawnPath*>& others) const {
+    constexpr double kShort = 0.25;  // of a tile
+    const auto sheet = ifSheet([&] { return sheetOf(others); });
+    if (!sheet || sheet->model.joints.empty()) return false;
+    const double most = kShort * model::tileSize(sheet->model);
+    const bool areShort = std::ranges::all_of(group.paths, [&](const DrawnPath* path) {
+      return !path->isClosed && path->points.size() == 2 && lengthOf(*path) <= most;
+    });
+    if (!areShort) return false;
+    auto both = others;
+    both.insert(both.end(), group.paths.begin(), group.paths.end());
+    return hingesOf(both) < sheet->model.joints.size();
   }
 
   /// Whether all lines of a group have a name for engraving.

@@ -240,7 +240,7 @@ TEST(Patterns, DoNotDependOnTheDirectionOfTheirLines) {
 
 /// The text with other names of layers.
 std::string renamed(std::string text) {
-  for (const char* name : {"cuts", "slits"}) {
+  for (const char* name : {"cuts", "slits", "hinges"}) {
     const std::string id = fmt::format("id=\"{}\"", name);
     text.replace(text.find(id), id.size(), "class=\"laser\"");
   }
@@ -265,11 +265,8 @@ TEST(Patterns, OfOpenSheetsNeedNoNamesOfLayers) {
     const model::Model drawn = generate::generateModel(generate::familyNamed(name), given);
     const double size = model::modelSize(drawn);
     for (const double width : {0.02, 0.05}) {
-      std::vector<writers::PatternLine> lines =
+      const std::vector<writers::PatternLine> lines =
           writers::cutPattern(drawn, width * leastEdge(drawn));
-      std::erase_if(lines, [](const writers::PatternLine& line) {
-        return line.layer == writers::PatternLayer::Hinges;
-      });
       const TemporaryFolder folder;
       folder.write("a.svg", renamed(writers::patternSvg(lines)));
       std::vector<std::string> warnings;
