@@ -80,6 +80,14 @@ class GeosPlane {
   GEOSGeometry* difference(const GEOSGeometry* a, const GEOSGeometry* b) {
     return keep(GEOSDifference_r(handle_, a, b));
   }
+  double area(const GEOSGeometry* a) {
+    double area = 0;
+    GEOSArea_r(handle_, a, &area);
+    return area;
+  }
+  GEOSGeometry* sum(const GEOSGeometry* a, const GEOSGeometry* b) {
+    return keep(GEOSUnion_r(handle_, a, b));
+  }
   GEOSGeometry* grown(const GEOSGeometry* a, double by) {
     return keep(GEOSBufferWithStyle_r(handle_, a, by, 8, GEOSBUF_CAP_FLAT, GEOSBUF_JOIN_MITRE, 20));
   }
@@ -230,6 +238,7 @@ std::vector<SlotRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* mater
     const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
     return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
   };
+  constexpr double kCut = 0.1;  // of the square of a slot's width
   // Slots that end at the outline within rounding leave needles of material, with mitres far away.
   const double needle = 2 * tolerance;
   const GEOSGeometry* eroded = plane.grown(material, -needle);
@@ -237,7 +246,11 @@ std::vector<SlotRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* mater
   for (const double share : {0.6, 0.7, 0.85, 1.0}) {
     holes.clear();
     const double distance = share * kerf;
-    outlines = plane.rings(plane.grown(plane.grown(eroded, distance + needle), -distance), &holes);
+    const GEOSGeometry* closed = plane.grown(plane.grown(eroded, distance + needle), -distance);
+    // Mitres of blunt tips may cut through necks.
+    const double cut = plane.area(plane.difference(material, closed));
+    if (cut > kCut * kerf * kerf) closed = plane.sum(closed, material);
+    outlines = plane.rings(closed, &holes);
     if (std::ranges::all_of(pairs, isFilled)) break;
   }
   return outlines;
