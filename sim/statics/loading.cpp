@@ -49,6 +49,26 @@ std::vector<int> pinnedTiles(const scene::Scene& scene) {
   return tiles;
 }
 
+/// Throws if a piece of the model has no grip and no pin: nothing would hold it.
+void requireHeldPieces(const scene::Scene& scene) {
+  const std::vector<int> pieces = model::piecesOf(scene.model);
+  std::vector<int> sizes(1 + *std::ranges::max_element(pieces), 0);
+  for (const int piece : pieces) ++sizes[piece];
+  std::vector<bool> isHeld(sizes.size(), false);
+  for (const int tile : pinnedTiles(scene)) isHeld[pieces[tile]] = true;
+  for (const scene::GripSetting& grip : scene.grips) {
+    for (const int tile : grip.tiles) isHeld[pieces[tile]] = true;
+  }
+  const auto loose = std::ranges::find(isHeld, false);
+  if (sizes.size() == 1 || loose == isHeld.end()) return;
+  const auto piece = static_cast<int>(loose - isHeld.begin());
+  const auto tile = std::ranges::find(pieces, piece) - pieces.begin();
+  throw InputError(fmt::format(
+      "error: the model has {} pieces, and nothing holds the piece of tile {} ({} of {} tiles). "
+      "Hold each piece with grips or `pin`",
+      sizes.size(), scene.model.fileOrder.countsFrom + tile, sizes[piece], pieces.size()));
+}
+
 // Each message names the feature to remove.
 void requireEquilibria(const scene::Scene& scene) {
   scene::Scene bare = scene;
@@ -451,6 +471,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
 run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
                                   const run::SampleObserver& observer) {
   requireEquilibria(scene);
+  requireHeldPieces(scene);
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);

@@ -194,6 +194,17 @@ std::string refusalOf(const scene::Scene& scene) {
   return test::refusalOf<Error>([&] { deploy::deploy(scene, 1, nullptr); });
 }
 
+TEST(Loading, RefusesAPieceThatNothingHolds) {
+  scene::Scene scene = turnedUnit();
+  scene.model.target.reset();
+  model::Tile loose = scene.model.tiles.front();
+  for (Vector3& vertex : loose.vertices) vertex.x() += 10;
+  scene.model.tiles.push_back(loose);
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("the model has 2 pieces, and nothing holds the piece of tile 4 (1 of 5 "
+                        "tiles). Hold each piece with grips or `pin`"));
+}
+
 TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene::Scene scene = turnedUnit();
   scene.environment.contacts = scene::ContactFilter::All;
