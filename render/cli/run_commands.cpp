@@ -410,7 +410,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   command->footer(
       "curves.csv has a row for each sample: width, height and depth of the sheet\n"
       "(along x, y, z), area and perimeter of its convex outline and the area that\n"
-      "tiles cover (seen along z), porosity, Poisson's ratio since the start (of the\n"
+      "tiles cover (seen from above), porosity, Poisson's ratio since the start (of the\n"
       "tiles' centres), the least, mean and largest opening of the joints, kinetic\n"
       "energy, target error, joint gap and overlap, and each joint's opening. Runs\n"
       "with dynamics also have the energy in springs, the work of the drives, the\n"

@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "sim/base/geometry.h"
 #include "sim/model/convex_parts.h"
 
 namespace kirireel::model {
@@ -21,6 +22,9 @@ constexpr double kEvenArea = 1e-9;
 
 // Differences from rounding, as a fraction of the model's size.
 constexpr double kFlat = 1e-9;
+
+/// Smaller relative differences of principal moments count as equal.
+constexpr double kEvenMoments = 1e-6;
 
 /// Smaller relative differences, and differences of angles in radians, count as equal.
 constexpr double kSameRectangle = 1e-7;
@@ -77,6 +81,29 @@ SheetFrame frameAlong(const Vector3& normal, const Vector3& origin) {
 
 std::optional<SheetFrame> sheetFrame(const Model& model) {
   return sheetFrame(model.tiles, flatTolerance(model));
+}
+
+SheetFrame viewFrame(const Model& model) {
+  if (const std::optional<SheetFrame> frame = sheetFrame(model)) return *frame;
+  std::vector<Vector3> points;
+  for (const Tile& tile : model.tiles) {
+    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  const Vector3 middle = meanPoint(points);
+  Matrix3 moments = Matrix3::Zero();
+  for (const Vector3& point : points) {
+    moments += (point - middle) * (point - middle).transpose();
+  }
+  const SymmetricEigen found = eigenOf(moments);
+  const double below = found.values[1] - found.values[0], above = found.values[2] - found.values[1];
+  if (std::max(below, above) <= kEvenMoments * found.values[2]) return {};
+  Vector3 axis = found.vectors.col(above > below ? 2 : 0);
+  double side = 0;
+  for (const Tile& tile : model.tiles) side += tileArea(tile) * tileNormal(tile).dot(axis);
+  if (side < 0) axis = -axis;
+  // A vertical axis keeps the coordinates as they are.
+  if (axis.head<2>().norm() <= kFlat) return {};
+  return frameAlong(axis, middle);
 }
 
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance) {

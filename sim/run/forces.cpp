@@ -128,8 +128,7 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<br
   if (!model.hullFault.empty()) {
     throw InputError(model.hullFault + ". Or remove the file to pull the convex outline");
   }
-  // In sheets that are not flat, the springs pull along x and y.
-  const model::SheetFrame frame = model::sheetFrame(model).value_or(model::SheetFrame{});
+  const model::SheetFrame frame = model::viewFrame(model);
   const std::vector<model::Corner> hull =
       model.hull ? *model.hull : model::outlineCorners(model::toFrame(frame, model.tiles));
   std::vector<Vector3> corners;

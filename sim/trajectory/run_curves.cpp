@@ -52,8 +52,7 @@ class ShapeMeter final : public SampleMeter {
  public:
   explicit ShapeMeter(const Subject& subject)
       : subject_(subject),
-        // Sheets that are not flat at the start are measured along z.
-        frame_(model::sheetFrame(subject.model).value_or(model::SheetFrame{})),
+        frame_(model::viewFrame(subject.model)),
         tilesAtStart_(model::toFrame(frame_, subject.model.tiles)) {}
 
   std::vector<Channel> channels() const override {

@@ -44,8 +44,8 @@ struct RunCurves {
   /// Always the same groups and curves in the same order. L is the unit of the model:
   ///
   ///     Size              width, height, depth: the box around the tiles along x, y, z; L
-  ///     Area              hull: within the convex outline seen along the normal of a sheet that
-  ///                       starts flat, else along z; covered: by tiles that lie flat; L^2
+  ///     Area              hull: within the convex outline seen from above, see
+  ///                       model::viewFrame(); covered: by tiles that lie flat; L^2
   ///     Hull perimeter    of that outline, L
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()

@@ -41,6 +41,30 @@ model::RigidMotion randomMotion(std::mt19937& random) {
   return {turn.toRotationMatrix(), {normal(random), normal(random), normal(random)}};
 }
 
+/// A tube is seen along its axis in any placement. A cube has no such axis and is seen along z.
+TEST(SheetFrames, OfATubeHasItsAxis) {
+  model::Model tube;
+  const auto corner = [](int k, double z) {
+    return Vector3(std::cos(k * std::numbers::pi / 3), std::sin(k * std::numbers::pi / 3), z);
+  };
+  for (int k = 0; k < 6; ++k) {
+    model::Tile& tile = tube.tiles.emplace_back();
+    tile.vertices = {corner(k, 0), corner(k + 1, 0), corner(k + 1, 5), corner(k, 5)};
+  }
+  EXPECT_TRUE(model::viewFrame(tube).isHorizontal());
+  std::mt19937 random(5);
+  for (int k = 0; k < 20; ++k) {
+    const model::RigidMotion motion = randomMotion(random);
+    const Vector3 axis = motion.rotation.col(2);
+    // Measured: 4e-16.
+    EXPECT_NEAR(model::viewFrame(placed(tube, motion)).normal.cross(axis).norm(), 0, 1e-14);
+  }
+  for (model::Tile& tile : tube.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex.z() *= 1 / std::sqrt(12.5);
+  }
+  EXPECT_TRUE(model::viewFrame(placed(tube, randomMotion(random))).isHorizontal());
+}
+
 TEST(SheetFrames, OfHorizontalSheetsKeepAllBits) {
   model::Model model = sheet();
   place({Matrix3::Identity(), {0.1, 0.2, 0.3}}, model.tiles);
