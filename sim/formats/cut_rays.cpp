@@ -242,6 +242,23 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
   }
 }
 
+double neckMaterial(const CutRay& ray, const std::vector<PlaneSegment>& border, double tolerance) {
+  const Vector2 path = ray.stopPlace - ray.from;
+  if (isWithin(border, ray.stopPlace - tolerance * path.normalized())) {
+    return ray.width();
+  }
+  double end = ray.tip;
+  for (const auto& [a, b] : border) {
+    const Vector2 line = b - a;
+    const double area = crossOf(path, line);
+    if (area == 0) continue;
+    const double ahead = crossOf(a - ray.from, line) / area;
+    const double share = crossOf(a - ray.from, path) / area;
+    if (share >= 0 && share <= 1 && ahead <= 1) end = std::max(end, ahead * ray.stop);
+  }
+  return end - ray.tip;
+}
+
 double widestNeck(const std::vector<CutRay>& rays, double scale) {
   const double cap = 0.5 * scale;
   std::vector<double> widths;

@@ -45,6 +45,10 @@ int findHit(CutRay& ray, const Arrangement& lines, double tolerance);
 void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& border, double kerf,
                   double tolerance);
 
+/// The width of the material of a neck between slots, metres: without the removed material at its
+/// joint. `border`: of the material.
+double neckMaterial(const CutRay& ray, const std::vector<PlaneSegment>& border, double tolerance);
+
 /// The largest width of a neck, metres: in the longest interval without a width of a ray, below
 /// half of `scale`, the size of a tile.
 double widestNeck(const std::vector<CutRay>& rays, double scale);

@@ -447,6 +447,7 @@ class SheetMaker {
       const auto same = std::ranges::find(others, node, &Between::node);
       if (same != others.end()) {
         joints_[same->joint].width += ray.width();  // from both sides
+        joints_[same->joint].material += materialOf(ray);
         continue;
       }
       if (!others.empty()) {
@@ -460,8 +461,12 @@ class SheetMaker {
       }
       others.push_back({node, joints_.size()});
       hasNeck_[left] = hasNeck_[right] = true;
-      joints_.push_back({*half, left, right, ray.width()});
+      joints_.push_back({*half, left, right, ray.width(), materialOf(ray)});
     }
+  }
+
+  double materialOf(const CutRay& ray) const {
+    return cuts_.kerf > 0 ? neckMaterial(ray, cuts_.border, tolerance_) : ray.width();
   }
 
   /// A point that identifies a face: the mean of its corners.
@@ -585,14 +590,16 @@ class SheetMaker {
       if (a == cornerAt.end() || b == cornerAt.end()) continue;
       model::Joint& made =
           model.joints.emplace_back(model::Joint{a->second, b->second, model::JointFace::Both});
-      made.neck = {joint.width, cuts_.kerf, cuts_.kerf};
+      // A cut through the joint would leave this material. At the outline there is none.
+      made.neck = {joint.material + 0.5 * cuts_.kerf, cuts_.kerf, cuts_.kerf};
     }
     return model;
   }
 
   struct FaceJoint {
     int half, left, right;
-    double width;  // of the neck, metres
+    double width;     // of the neck up to the joint, metres
+    double material;  // of this width
   };
 
   /// Nodes of two lines that are corners of both tiles next to them, of the chains between other

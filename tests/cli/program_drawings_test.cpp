@@ -28,9 +28,9 @@ nlohmann::json necksOf(const std::string& model, const std::vector<std::string>&
 TEST(ProgramDrawings, KeepTheirNecksThroughFiles) {
   const nlohmann::json drawn = necksOf(kSlots);
   EXPECT_EQ(drawn.at("count"), 24);
-  EXPECT_NEAR(drawn.at("width")[0].get<double>(), 0.001, 1e-6);
+  EXPECT_NEAR(drawn.at("width")[0].get<double>(), 0.00115, 1e-6);
   EXPECT_NEAR(drawn.at("kerf")[0].get<double>(), 0.0003, 1e-7);
-  EXPECT_THAT(runKirireel({"inspect", kSlots}).out, HasSubstr("\nnecks: 24, 1 mm to 1.15 mm wide, "
+  EXPECT_THAT(runKirireel({"inspect", kSlots}).out, HasSubstr("\nnecks: 24, 1.15 mm wide, "
                                                               "0.3 mm long, kerf 0.3 mm\n"));
   const TemporaryFolder scratch;
   for (const std::string name : {"sheet.fold", "sheet"}) {
@@ -60,7 +60,7 @@ TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
   ASSERT_EQ(deck.exitCode, 0) << deck.err;
   // Half a kerf of each neck is removed material.
   EXPECT_THAT(readTextFile(run + "/sheet_mesh.inp", ""),
-              HasSubstr("in one piece: necks 0.00085 to 0.001 m wide and 0.0003 m long, fillets of "
+              HasSubstr("in one piece: necks 0.001 m wide and 0.0003 m long, fillets of "
                         "0. m,\n** kerf 0.0003 m.\n"));
 }
 

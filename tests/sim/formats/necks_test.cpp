@@ -51,14 +51,19 @@ TEST(Necks, AreThoseOfTheDrawing) {
   const std::vector<model::Neck> slots = necksOf(drawn(kSlots));
   ASSERT_EQ(slots.size(), 2U);
   for (int k = 0; k < 2; ++k) {
-    EXPECT_NEAR(slots[k].width, 0.002 + 0.001 * k, 1e-5) << k;
+    EXPECT_NEAR(slots[k].width - slots[k].kerf / 2, 0.002 + 0.001 * k, 1e-5) << k;
     EXPECT_NEAR(slots[k].kerf, 0.0003, 1e-6) << k;
     EXPECT_EQ(slots[k].length, slots[k].kerf) << k;
   }
 }
 
+/// A slot wider than its neck at the border.
+constexpr const char* kWideSlot =
+    "<svg width=\"60mm\" height=\"20mm\" viewBox=\"0 0 60 20\" fill=\"none\" stroke=\"black\">"
+    "<path d=\"M0 0H29.5V19.6H30.5V0H60V20H0Z\"/></svg>";
+
 TEST(Necks, ComeBackFromFoldersAndFoldFiles) {
-  for (const char* text : {kSlits, kSlots}) {
+  for (const char* text : {kSlits, kSlots, kWideSlot}) {
     const model::Model model = drawn(text);
     const TemporaryFolder folder;
     writeModel(model, folder.path() / "sheet.fold");
