@@ -19,6 +19,7 @@
 
 #include "sim/base/error.h"
 #include "sim/formats/cut_rays.h"
+#include "sim/formats/middle_lines.h"
 
 namespace kirireel::formats {
 namespace {
@@ -66,6 +67,7 @@ class SheetMaker {
     const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
     rays_ = traceCutRays(lines, curveError, tolerance_);
     findNeckTips(rays_, cuts_.border, cuts_.kerf, tolerance_);
+    noteOverlaps(lines);
     const double scale = tileScale(extended(cuts_.lines, rays_, tolerance_));
     dropBeyondBorder(lines, scale);
     requireClosed(lines);
@@ -247,6 +249,31 @@ class SheetMaker {
     return faultAt({end},
                    fmt::format("the outline is open at {}, {} from the next line; close it{}",
                                drawing_.place(end), drawing_.length(gap), remedy));
+  }
+
+  /// Reports slots that stop short of another slot, but overlap it by their rounded ends. Slots
+  /// that were drawn up to another one begin at its side.
+  void noteOverlaps(const Arrangement& lines) {
+    constexpr double kOblique = 0.25;  // cosine; centre lines of oblique slots begin further away
+    std::vector<Vector2> places;
+    for (const CutRay& ray : rays_) {
+      if (!ray.isJoined || ray.stop == kNever) continue;
+      bool isNear = false, isShort = true;
+      for (const auto& [first, last] : lines.edges()) {
+        const PlaneSegment edge(lines.at(first), lines.at(last));
+        const bool isOwn = first == ray.node || last == ray.node;
+        if (isOwn || distanceTo(edge, ray.stopPlace) > 0.5 * cuts_.kerf) continue;
+        const Vector2 line = (edge.second - edge.first).normalized();
+        const double off = std::abs(crossOf(line, ray.from - edge.first));
+        isNear = true;
+        isShort &= std::abs(line.dot(ray.along)) < kOblique;
+        isShort &= off > 0.5 * cuts_.kerf + 3 * tolerance_;
+      }
+      if (isNear && isShort) places.push_back(ray.from);
+    }
+    if (places.empty()) return;
+    leftOut_[fmt::format("neck without material, as slots overlap (one at {})",
+                         drawing_.place(places.front()))] += static_cast<int>(places.size());
   }
 
   void takeNecks(double scale) {

@@ -301,6 +301,21 @@ TEST(CutPatterns, SlotsOfFamiliesComeBack) {
   }
 }
 
+// Two slots stop short of others by less than their widths.
+TEST(CutPatterns, SlotsThatOverlapHaveNoNeck) {
+  int number = 0;
+  const SlitGrid grid(4, [&] {
+    ++number;
+    return number == 5 || number == 14 ? 0.9 : 2.5;
+  });
+  std::string text = closedPath(grid.outline());
+  for (const Line& slit : grid.slits) text += closedPath(stadium(slit, 1, 8));
+  const Reading reading = read("a.svg", page(text));
+  EXPECT_EQ(reading.model.tiles.size(), 16U) << reading.refusal;
+  EXPECT_EQ(reading.model.joints.size(), 22U);
+  EXPECT_THAT(reading.note, HasSubstr("2 x neck without material, as slots overlap (one at ("));
+}
+
 TEST(CutPatterns, SlotsMayBeHalfATileWide) {
   for (const double kerf : {3.0, 5.0, 8.0, 10.0}) {
     for (const double angle : {0.0, 0.7}) {
