@@ -102,15 +102,14 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
 }
 
-/// All corners of a model at the position of this one, including itself.
-std::vector<model::Corner> cornersAt(const model::Model& model, const model::Corner& corner) {
-  const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex];
-  const double same = std::max(model::flatTolerance(model), 2 * model.rounding);
+/// All corners within this distance of the place, as seen from above.
+std::vector<model::Corner> cornersAt(const std::vector<model::Tile>& tiles, const Vector3& place,
+                                     double same) {
   std::vector<model::Corner> found;
-  for (std::size_t tile = 0; tile < model.tiles.size(); ++tile) {
-    const std::vector<Vector3>& vertices = model.tiles[tile].vertices;
+  for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+    const std::vector<Vector3>& vertices = tiles[tile].vertices;
     for (std::size_t vertex = 0; vertex < vertices.size(); ++vertex) {
-      if ((vertices[vertex] - place).norm() > same) continue;
+      if ((vertices[vertex] - place).head<2>().norm() > same) continue;
       found.push_back({static_cast<int>(tile), static_cast<int>(vertex)});
     }
   }
@@ -129,11 +128,11 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<br
     throw InputError(model.hullFault + ". Or remove the file to pull the convex outline");
   }
   const model::SheetFrame frame = model::viewFrame(model);
-  const std::vector<model::Corner> hull =
-      model.hull ? *model.hull : model::outlineCorners(model::toFrame(frame, model.tiles));
+  const std::vector<model::Tile> seen = model::toFrame(frame, model.tiles);
+  const std::vector<model::Corner> hull = model.hull ? *model.hull : model::outlineCorners(seen);
   std::vector<Vector3> corners;
   for (const model::Corner& corner : hull) {
-    corners.push_back(frame.toFrame(model.tiles[corner.tile].vertices[corner.vertex]));
+    corners.push_back(seen[corner.tile].vertices[corner.vertex]);
   }
   const Vector3 middle = meanPoint(corners);
   double radius = 0;
@@ -141,14 +140,18 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<br
     radius = std::max(radius, (corner - middle).head<2>().norm());
   }
   const double halfWidth = curve.size * radius;
+  const double same = std::max(model::flatTolerance(model), 2 * model.rounding);
   for (std::size_t k = 0; k < hull.size(); ++k) {
     anchors_.push_back(
         frame.toWorld(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k])));
     const std::vector<model::Corner> pulled =
-        model.hull ? std::vector{hull[k]} : cornersAt(model, hull[k]);
+        model.hull ? std::vector{hull[k]} : cornersAt(seen, corners[k], same);
     for (const model::Corner& corner : pulled) {
+      // Corners above each other are pulled at their own heights.
+      const double rise = seen[corner.tile].vertices[corner.vertex].z() - corners[k].z();
       const double stiffness = strengths_[corner.tile].springStiffness;
-      springs_[corner.tile].push_back({bricks[corner.tile].bottom[corner.vertex], anchors_.back(),
+      springs_[corner.tile].push_back({bricks[corner.tile].bottom[corner.vertex],
+                                       anchors_.back() + rise * frame.normal,
                                        stiffness / static_cast<double>(pulled.size()), 0});
     }
   }

@@ -138,5 +138,25 @@ TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
   EXPECT_TRUE(loads[12].force.isZero(0));
 }
 
+/// Neither the order of the tiles nor that of their corners chooses between two equal sheets.
+TEST(BoundarySprings, PullCornersAboveEachOtherAlike) {
+  model::Model sheets = generate::makeTessellation({});
+  const std::size_t count = sheets.tiles.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    model::Tile above = sheets.tiles[i];
+    for (Vector3& vertex : above.vertices) vertex.z() += 1;
+    sheets.tiles.push_back(above);
+  }
+  sheets.target.reset();
+  const std::vector<brick::Brick> bricks = brick::makeBricks(sheets.tiles, {});
+  const Poses poses = brick::startPoses(sheets.tiles, bricks);
+  std::vector<brick::Load> loads(poses.size());
+  run::BoundarySprings(sheets, bricks, {}, {2, 1}).addLoads(poses, loads);
+  EXPECT_GT(loads[0].force.norm(), 0.1);
+  for (std::size_t i = 0; i < count; ++i) {
+    EXPECT_NEAR((loads[i].force - loads[count + i].force).norm(), 0, 1e-12);  // measured: 0
+  }
+}
+
 }  // namespace
 }  // namespace kirireel
