@@ -74,12 +74,13 @@ struct Obstacle {
     Sphere,  ///< round
     Mesh,    ///< a surface without thickness, with contact on both sides
   };
-  Shape shape = Shape::Box;        ///< shape
-  Vector3 size = Vector3::Ones();  ///< of a box, along its own axes, metres, > 0
-  double radius = 1;               ///< of a sphere, metres, > 0
-  std::vector<model::Tile> mesh;   ///< flat convex faces of a mesh, in its own axes
-  Pose pose;                       ///< of the middle of a box or sphere, of a mesh's axes
-  double friction = 0.5;           ///< Coulomb coefficient, >= 0
+  Shape shape = Shape::Box;            ///< shape
+  Vector3 size = Vector3::Ones();      ///< of a box, along its own axes, metres, > 0
+  double radius = 1;                   ///< of a sphere, metres, > 0
+  std::vector<model::Tile> mesh;       ///< flat convex faces of a mesh, in its own axes
+  std::optional<LengthUnit> meshUnit;  ///< that the mesh's file declares; absent: the model's
+  Pose pose;                           ///< of the middle of a box or sphere, of a mesh's axes
+  double friction = 0.5;               ///< Coulomb coefficient, >= 0
 };
 
 /// The surface of an obstacle as outward anticlockwise polygons (a mesh's own polygons), world

@@ -55,15 +55,15 @@ Drive defaultDrive(const model::Model& model) {
 }
 
 void scaleLengths(Scene& scene, double factor) {
-  if (factor == 1) return;
   scene.brick.thickness *= factor;
   if (scene.environment.ground) scene.environment.ground->height *= factor;
   for (Obstacle& obstacle : scene.environment.obstacles) {
     obstacle.size *= factor;
     obstacle.radius *= factor;
     obstacle.pose.position *= factor;
+    const double meshFactor = obstacle.meshUnit ? obstacle.meshUnit->metres : factor;
     for (model::Tile& face : obstacle.mesh) {
-      for (Vector3& vertex : face.vertices) vertex *= factor;
+      for (Vector3& vertex : face.vertices) vertex *= meshFactor;
     }
   }
   if (scene.hinges.neck) {

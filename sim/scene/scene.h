@@ -294,7 +294,8 @@ Scene openScene();
 void fillFromModel(Scene& scene);
 
 /// Multiplies all lengths and linear speeds of a scene, except its model, by a factor > 0, because
-/// the user writes a scene in the model's unit. Targets that are read later are excluded.
+/// the user writes a scene in the model's unit. Meshes that declare a unit are multiplied by its
+/// metres instead. Targets that are read later are excluded.
 void scaleLengths(Scene& scene, double factor);
 
 /// Default drive of a model: Target if it has one, else Expansion.

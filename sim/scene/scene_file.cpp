@@ -15,6 +15,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/formats/model_formats.h"
+#include "sim/formats/text_table.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
@@ -266,11 +267,13 @@ Quaternion turn(const TomlValue& value) {
 }
 
 // Faces of an OBJ file. They may be concave or bent, since contacts use each face separately.
-std::vector<model::Tile> meshFaces(const TomlValue& value) {
+void readMesh(const TomlValue& value, Obstacle& obstacle) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
+  const std::filesystem::path file = value.where.file.parent_path() / *name;
   std::vector<std::string> ignored;  // warnings that only concern sheets
-  return formats::readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
+  obstacle.mesh = formats::readObjPair(file, {}, ignored).tiles;
+  obstacle.meshUnit = formats::unitInComments(file);
 }
 
 void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
@@ -280,7 +283,7 @@ void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
     obstacle.radius =
         requireNumber(entry.value, 1e-15, kMostNumber, "a positive length in the model's unit");
   } else if (entry.key == "file") {
-    obstacle.mesh = meshFaces(entry.value);
+    readMesh(entry.value, obstacle);
   } else if (entry.key == "position") {
     obstacle.pose.position = readPoint(entry.value);
   } else if (entry.key == "rotation") {

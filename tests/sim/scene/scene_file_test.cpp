@@ -225,6 +225,17 @@ position = [0, 0, 4]
   EXPECT_EQ(scene::obstacleFaces(obstacles[2]).front().vertices[2], Vector3(1, 1, 4));
 }
 
+TEST_F(SceneFileTest, MeshesOfObstaclesHaveTheirOwnUnitOrThatOfTheModel) {
+  for (const auto& [unit, expected] : {std::pair{"", 0.0254}, {"# unit mm\n", 0.001}}) {
+    std::ofstream(folder_ / "rock.obj") << unit << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    scene::Scene scene = scene::openScene();
+    scene.environment.obstacles =
+        read("[[obstacle]]\nshape = \"mesh\"\nfile = \"rock.obj\"\n").obstacles;
+    scene::scaleLengths(scene, 0.0254);  // a model in inches
+    EXPECT_EQ(scene.environment.obstacles[0].mesh[0].vertices[1], Vector3(expected, 0, 0)) << unit;
+  }
+}
+
 TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
   EXPECT_EQ(refusal("[[obstacle]]\nshape = \"cone\"\n"),
             "scene.toml:2:9: error: an obstacle needs shape = \"box\", \"sphere\" or \"mesh\"");
