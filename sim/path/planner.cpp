@@ -2,10 +2,11 @@
 //
 // There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
 // and one stop rule: the search ends at the first path that arrives without overlaps and whose
-// joints count as closed (kOpenJoints). A candidate has a guide, contacts or none, and joints that
-// are exact or of stiffness r. r is relative to the stiffness of one tile's position. If a
-// candidate stiffens, its path guides the next one with r ten times as large, as long as the joint
-// openings decrease.
+// joints count as closed (kOpenJoints). Costly candidates are tried only if none is known whose
+// joints open by less than the order counts (kOpeningStep). A candidate has a guide, contacts or
+// none, and joints that are exact or of stiffness r. r is relative to the stiffness of one tile's
+// position. If a candidate stiffens, its path guides the next one with r ten times as large, as
+// long as the joint openings decrease.
 //
 // Overlaps are measured at the states and between them, as in the run. At the end of a branch of
 // the mechanism the path jumps, and its states do not show the overlaps of the jump.
@@ -51,23 +52,27 @@ enum class Guide {
 struct Candidate {
   Guide guide;
   bool hasContacts;
-  double jointStiffness;  ///< see ContinuationSettings
-  bool stiffens = false;  ///< whether stiffer joints are tried along the resulting path
+  double jointStiffness;      ///< see ContinuationSettings
+  bool stiffens = false;      ///< whether stiffer joints are tried along the resulting path
+  bool isLastResort = false;  ///< tried only if no collision-free path is known
+
+  bool hasExactJoints() const { return std::isinf(jointStiffness); }
+  /// Exact joints with contacts cost most from the start on, where bricks often touch.
+  bool isCostly() const { return hasContacts && hasExactJoints() && guide != Guide::FromTarget; }
 };
 
 // The candidates in the order of the search. The first brings most designs to their targets.
 // Without contacts, soft joints give the smoothest paths. These guide the candidates with contacts.
-// Exact joints with bricks that are flush at the start cost most.
 constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, false, run::kExactJoints},
     {Guide::FromTarget, true, run::kExactJoints},
-    {Guide::GuidedRun, true, run::kExactJoints},
     {Guide::OwnMotion, false, 10, true},
+    {Guide::GuidedRun, true, run::kExactJoints, false, true},
     {Guide::PreviousPath, true, 10},
     {Guide::PreviousPath, true, 100},
     {Guide::OwnMotion, true, 1e3, true},
+    {Guide::OwnMotion, true, 1e2, true, true},
     {Guide::OwnMotion, true, run::kExactJoints},
-    {Guide::OwnMotion, true, 1e2, true},
 });
 constexpr double kStiffer = 10;
 // Joints are stiffened as long as each step leaves less than this fraction of the opening.
@@ -78,7 +83,7 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
   if (!path.jointsAreCompliant()) return {kCandidates.begin(), kCandidates.end()};
   return {{Guide::OwnMotion, false, path.jointRatio},
           {Guide::PreviousPath, true, path.jointRatio},
-          {Guide::OwnMotion, true, path.jointRatio}};
+          {Guide::OwnMotion, true, path.jointRatio, false, true}};
 }
 
 /// The name of a candidate in summary.json.
@@ -87,7 +92,7 @@ std::string describe(const Candidate& candidate) {
                       : candidate.guide == Guide::FromTarget ? "backwards from the target"
                       : candidate.guide == Guide::GuidedRun  ? "guided run"
                                                              : "previous path";
-  const std::string joints = std::isinf(candidate.jointStiffness)
+  const std::string joints = candidate.hasExactJoints()
                                  ? "exact joints"
                                  : fmt::format("joint ratio {:g}", candidate.jointStiffness);
   return fmt::format("{}, contacts {}, {}", guide, candidate.hasContacts ? "on" : "off", joints);
@@ -360,10 +365,9 @@ class Planner {
         folds_(nearest.poses, scene.model, bricks_, pivots_) {}
 
   PlannedPath find() {
-    const std::vector<Candidate> candidates = candidatesOf(scene_.path);
-    for (const Candidate& candidate : candidates) {
-      const bool isLast = &candidate == &candidates.back();
-      if (planned_.path && (isOver_ || !isWorthTrying(candidate, isLast))) continue;
+    for (const Candidate& candidate : candidatesOf(scene_.path)) {
+      if (planned_.path && candidate.isCostly() && !isBlocked()) improveSelected();
+      if (planned_.path && (isOver_ || !isWorthTrying(candidate))) continue;
       if (planned_.path && budget_.isSpent()) {
         planned_.isCutShort = true;
         break;
@@ -371,7 +375,7 @@ class Planner {
       tryCandidate(candidate);
       if (!budget_.isLimited()) limitBudget();
       if (mayEndSearch()) improveSelected();
-      if (isGood(*planned_.path)) break;
+      if (isGood(*planned_.path, run::kOpenJoints)) break;
     }
     improveSelected();
     // A candidate that ran out of budget matters only if no other is collision-free.
@@ -386,21 +390,22 @@ class Planner {
   }
 
  private:
-  /// Whether joints hardly open, or are compliant by request.
-  bool isClosed(const run::GeometricPath& found) const {
+  /// Whether joints open by less than a fraction of a tile, or are compliant by request.
+  bool isClosed(const run::GeometricPath& found, double opening) const {
     return found.path.isRounded || scene_.path.jointsAreCompliant() ||
-           found.evaluation.opening <= run::kOpenJoints * tile_;
+           found.evaluation.opening < opening * tile_;
   }
 
-  bool isGood(const run::GeometricPath& found) const {
-    return isClosed(found) && isCollisionFree(scene_, found);
+  bool isGood(const run::GeometricPath& found, double opening) const {
+    return isClosed(found, opening) && isCollisionFree(scene_, found);
   }
 
   /// Whether the selected path, improved, could end the search. A path with contacts overlaps only
   /// between its states.
   bool mayEndSearch() const {
     const run::GeometricPath& found = *planned_.path;
-    return isClosed(found) && (found.evaluation.hasContacts || !overlaps(scene_, found));
+    return isClosed(found, run::kOpenJoints) &&
+           (found.evaluation.hasContacts || !overlaps(scene_, found));
   }
 
   /// Improves the selected path, if it arrives. Continues later if overlaps remain.
@@ -411,7 +416,7 @@ class Planner {
     const auto improved =
         improve(scene_, selected, smoothing_, [&](double) { return report(kSmoothing); });
     if (improved) planned_.candidates.push_back(*improved);
-    isImproved_ = isGood(selected) || !(selected.evaluation.overlapGrowth < before);
+    isImproved_ = !overlaps(scene_, selected) || !(selected.evaluation.overlapGrowth < before);
   }
 
   /// Limits the search by the work of the first candidate. If this was stuck early, its work is
@@ -423,27 +428,23 @@ class Planner {
     smoothing_ = run::SearchBudget(kSmoothingShare * budget_.left());
   }
 
-  bool isWorthTrying(const Candidate& candidate, bool isLast) {
+  bool isWorthTrying(const Candidate& candidate) {
     if (candidate.hasContacts && !mayTouch(scene_)) return false;
-    const bool hasExactJoints = std::isinf(candidate.jointStiffness);
     // Bricks that overlap at the goal block any path with contacts. One such path then shows where
     // the sheet stops.
     if (isBlocked()) {
-      const bool isStiffest = hasExactJoints || scene_.path.jointsAreCompliant();
+      const bool isStiffest = candidate.hasExactJoints() || scene_.path.jointsAreCompliant();
       return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
                                    : !firstArrives();
     }
     // If exact joints do not arrive without contacts, they do not arrive with contacts either.
-    if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
-    if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
-    const bool isFree = isCollisionFree(scene_, *planned_.path);
-    if (candidate.guide == Guide::GuidedRun) return !isFree && scene_.springs.pull();
-    // Exact joints with contacts cost most, and have no benefit if joints hardly open.
-    if (hasExactJoints && candidate.guide == Guide::OwnMotion) {
-      return !isFree || planned_.path->evaluation.opening >= kOpeningStep * tile_;
+    if (candidate.hasExactJoints() && candidate.guide != Guide::FromTarget && !firstArrives()) {
+      return false;
     }
-    // The softest joints are the last candidate.
-    return !isLast || !isFree;
+    if (candidate.isLastResort && isCollisionFree(scene_, *planned_.path)) return false;
+    if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
+    if (candidate.guide == Guide::GuidedRun) return scene_.springs.pull();
+    return !candidate.isCostly() || !isGood(*planned_.path, kOpeningStep);
   }
 
   /// Whether the first candidate, whose joints are exact, arrives.
@@ -478,7 +479,7 @@ class Planner {
       consider(std::move(found), isBack && !arrives);
       const bool isStiffer = !last || evaluation.opening < kOpeningLeft * last->opening;
       if (!arrives || !isStiffer || isOver_) break;
-      if (!candidate.hasContacts && std::isfinite(candidate.jointStiffness)) previous_ = guide;
+      if (!candidate.hasContacts && !candidate.hasExactJoints()) previous_ = guide;
       if (!candidate.stiffens) break;
       if (candidate.hasContacts && evaluation.overlapGrowth > allowedGrowth()) break;
       last = evaluation;
@@ -527,7 +528,7 @@ class Planner {
       const double share = kPathShare * (1 + (kParts - 1) * progress);
       return report(found.evaluation.candidate) && part.spent() <= share * budget_.all();
     };
-    found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
+    found.hasCompliantJoints = !candidate.hasExactJoints() || isBack;
     if (isBack) {
       found.path = continueFromGoal(trial, folds_.from(closedStart_), part, shouldContinue);
     } else {
@@ -685,7 +686,7 @@ PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
-  run::SearchBudget smoothing(2 * kSmoothingShare * budget.left());
+  run::SearchBudget smoothing(kSmoothingShare * budget.left());
   const auto improved = improve(scene, *planned.path, smoothing, [&](double) {
     return !observer || observer({kSmoothing, budget.share()});
   });

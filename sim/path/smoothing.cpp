@@ -96,6 +96,8 @@ constexpr double kClosedByNewton =
     1e-11;  // tolerance of an open joint, to which Newton steps close states
 constexpr double kNewtonEnd = 1e-13;
 constexpr int kNewtonSteps = 20;
+constexpr double kSlowNewton = 0.1;    // fraction of a gap
+constexpr double kNoNewtonGain = 0.5;  // the same for steps that end
 constexpr double kOpenOnPath =
     1e-9;                           // joints that are open by more on the found path are compliant
 constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
@@ -201,15 +203,24 @@ class Joints {
   std::vector<brick::Pivot> pivots_;
 };
 
-/// Moves of least length that change the gaps of joints by given amounts at one state.
+/// Moves of least length that change the gaps of joints by given amounts at one state. The
+/// structure of J J' is the same at all states, so it is analysed once.
 class LeastMoves {
  public:
-  LeastMoves(const Joints& joints, const Poses& poses) : jacobian_(joints.jacobian(poses)) {
-    SparseMatrix square = jacobian_ * jacobian_.transpose();
-    SparseMatrix regular(square.rows(), square.cols());
-    regular.setIdentity();
-    square += kRegular * regular;
-    factor_.compute(square);
+  /// Keeps a reference to the joints.
+  explicit LeastMoves(const Joints& joints) : joints_(joints) {
+    regular_.resize(joints.rows(), joints.rows());
+    regular_.setIdentity();
+    regular_ *= kRegular;
+  }
+
+  /// Sets the state.
+  void setState(const Poses& poses) {
+    jacobian_ = joints_.jacobian(poses);
+    const SparseMatrix square = SparseMatrix(jacobian_ * jacobian_.transpose()) + regular_;
+    if (!isAnalysed_) factor_.analyzePattern(square);
+    isAnalysed_ = true;
+    factor_.factorize(square);
   }
 
   const SparseMatrix& jacobian() const { return jacobian_; }
@@ -219,8 +230,10 @@ class LeastMoves {
   }
 
  private:
-  SparseMatrix jacobian_;
+  const Joints& joints_;
+  SparseMatrix jacobian_, regular_;
   Eigen::SimplicialLDLT<SparseMatrix> factor_;
+  bool isAnalysed_ = false;
 };
 
 /// An orthonormal basis of the columns' span, in their order.
@@ -242,7 +255,8 @@ class Smoothing {
         mostOpen_(found.path.isRounded ? run::roundedGap(scene.model) : kClosedByNewton * tile_),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(brick::makePivots(scene.model.joints, bricks_)),
-        joints_(bricks_, pivots_, isPlanar_) {
+        joints_(bricks_, pivots_, isPlanar_),
+        least_(joints_) {
     if (contacts != scene::ContactFilter::None) {
       gaps_.emplace(bricks_, pivots_, contacts, scene.environment.pivotZone, isPlanar_,
                     found.path.states.front());
@@ -319,20 +333,29 @@ class Smoothing {
 
   /// Closes a state by Newton steps. Open joints may keep the part of their opening that lies in
   /// the modes. Returns the remaining gap, metres.
-  double close(Poses& poses, bool isOpen) const {
+  double close(Poses& poses, bool isOpen) {
     VectorXd goal = VectorXd::Zero(joints_.rows());
     if (isOpen) goal = modes_ * (modes_.transpose() * joints_.gaps(poses));
     return closeTo(goal, poses);
   }
 
-  double closeTo(const VectorXd& goal, Poses& poses) const {
+  /// The same for any openings. A step uses the derivatives of an earlier state while each step
+  /// leaves at most the fraction kSlowNewton of the gap. Tiles with a misfit cannot be closed:
+  /// there steps end that hardly change the gap.
+  double closeTo(const VectorXd& goal, Poses& poses) {
     if (joints_.rows() == 0) return 0;
-    for (int k = 0; k < kNewtonSteps; ++k) {
+    double before = std::numeric_limits<double>::infinity();
+    bool isOwn = true;  // whether the last step used the derivatives of its own state
+    for (int k = 0;; ++k) {
       const VectorXd missing = goal - joints_.gaps(poses);
-      if (missing.cwiseAbs().maxCoeff() < kNewtonEnd * tile_) break;
-      poses = joints_.moved(std::move(poses), LeastMoves(joints_, poses).forChanges(missing));
+      const double gap = missing.cwiseAbs().maxCoeff();
+      if (gap < kNewtonEnd * tile_ || k == kNewtonSteps) return gap;
+      if (isOwn && gap > kNoNewtonGain * before) return gap;
+      isOwn = k == 0 || gap > kSlowNewton * before;
+      if (isOwn) least_.setState(poses);
+      poses = joints_.moved(std::move(poses), least_.forChanges(missing));
+      before = gap;
     }
-    return (goal - joints_.gaps(poses)).cwiseAbs().maxCoeff();
   }
 
   /// Closes the states between the ends, finds their bases, and pushes bricks apart. Returns
@@ -408,19 +431,19 @@ class Smoothing {
 
   /// The basis of a neighbour, projected onto the moves that keep this state's joints closed. If
   /// joints may open, the moves that open them in the modes follow.
-  MatrixXd carriedOn(const MatrixXd& neighbour, const Poses& poses, bool isOpen) const {
+  MatrixXd carriedOn(const MatrixXd& neighbour, const Poses& poses, bool isOpen) {
     MatrixXd basis = MatrixXd::Zero(joints_.columns(), freedoms());
     if (joints_.rows() == 0) {
       basis.leftCols(free_) = neighbour.leftCols(free_);
       return basis;
     }
-    const LeastMoves least(joints_, poses);
+    least_.setState(poses);
     MatrixXd closed = neighbour.leftCols(free_);
     for (int k = 0; k < 2; ++k) {
-      closed = orthonormal(closed - least.forChanges(least.jacobian() * closed));
+      closed = orthonormal(closed - least_.forChanges(least_.jacobian() * closed));
     }
     basis.leftCols(free_) = closed;
-    if (isOpen) basis.rightCols(modes_.cols()) = orthonormal(least.forChanges(modes_));
+    if (isOpen) basis.rightCols(modes_.cols()) = orthonormal(least_.forChanges(modes_));
     return basis;
   }
 
@@ -670,7 +693,7 @@ class Smoothing {
   }
 
   /// The mean of a state's images under the symmetries, with its joints closed again.
-  void makeSymmetric(Poses& poses, bool isOpen) const {
+  void makeSymmetric(Poses& poses, bool isOpen) {
     if (found_.path.symmetries.size() < 2) return;
     poses = model::symmetricMean(poses, found_.path.symmetries);
     close(poses, isOpen);
@@ -856,6 +879,7 @@ class Smoothing {
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
   Joints joints_;
+  LeastMoves least_;
   std::optional<NearGapFinder> gaps_;  // absent if bricks may not touch
   std::vector<Poses> states_;
   std::size_t first_ = 0, last_ = 0;  // a round moves the states between these two
