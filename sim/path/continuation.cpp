@@ -423,6 +423,12 @@ class Continuation {
     if (ascent_ > 0 && !isTouching()) refine();
     omitRest();
     if (!isTouching()) removeDrift();
+    // Rounding is no motion.
+    if (path_.length() <= model::kClosedShare * tile_) {
+      path_.states.resize(1);
+      path_.lengths.resize(1);
+      poses_ = path_.states.front();
+    }
     path_.guideLength = path_.length();
     return finish();
   }

@@ -270,6 +270,13 @@ scene::Scene extendingScene(const char* family, const std::map<std::string, doub
   return scene;
 }
 
+TEST(Continuation, RoundingIsNoMotion) {
+  // The Ammann-Beenker tiling without its narrow rhombi is rigid.
+  const run::DeploymentResult run =
+      deploy::deploy(extendingScene("ammann-beenker-removal"), 0.1, nullptr);
+  EXPECT_EQ(run.trajectory.samples.size(), 1U);
+}
+
 /// Its tiles driven apart, and damped, until they rest or for 200 s.
 run::DeploymentResult driven(scene::Scene scene) {
   scene.path.kind = scene::PathKind::Straight;
