@@ -196,15 +196,20 @@ TEST(Families, RefuseSheetsThatAreNone) {
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
             "heart: error: no sheet with these parameters was found (tiles are not convex at the "
             "start). Use values nearer to the defaults");
-  // Arms that meet.
-  EXPECT_EQ(messageFor({"crosses",
-                        {{"columns", 3},
-                         {"rows", 6},
-                         {"width", 0.318},
-                         {"depth", 0.147},
-                         {"start-angle", 18.41}}}),
-            "crosses: error: no sheet with these parameters was found (tile 9 crosses or touches "
+  // Bays begin at 0.35 of a side and are 0.4 deep, so those of two sides meet.
+  const auto crosses = [](double width, double depth) {
+    return messageFor({"crosses",
+                       {{"columns", 3},
+                        {"rows", 6},
+                        {"width", width},
+                        {"depth", depth},
+                        {"start-angle", 18.41}}});
+  };
+  EXPECT_EQ(crosses(0.3, 0.4),
+            "crosses: error: no sheet with these parameters was found (tile 0 crosses or touches "
             "itself at the start). Use values nearer to the defaults");
+  // Sides in one line do not cross, in any rotation.
+  EXPECT_EQ(crosses(0.318, 0.147), "accepted");
   EXPECT_EQ(
       messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
       "chain: error: no closed chain through all 24 tiles was found. Use another number of tiles");
