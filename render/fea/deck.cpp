@@ -1042,28 +1042,6 @@ std::set<FacingEdges> facingEdges(const ElementMesh& mesh) {
   return pairs;
 }
 
-/// Nodes whose displacements joints determine, and those that necks share with their tiles.
-std::vector<bool> nodesOfJoints(const ElementMesh& mesh) {
-  std::vector<bool> isTaken = followers(mesh);
-  if (mesh.rule.joints == JointStyle::Neck) {
-    std::vector<bool> isUsed(mesh.nodes.size());
-    for (const auto* parts : {&mesh.tiles, &mesh.necks}) {
-      for (const TileElements& part : *parts) {
-        for (const int node : part.nodes) {
-          if (isUsed[node]) isTaken[node] = true;
-          isUsed[node] = true;
-        }
-      }
-    }
-  }
-  for (const JointNodes& joint : mesh.joints) {
-    for (const auto* nodes : {&joint.a, &joint.b}) {
-      for (const int node : *nodes) isTaken[node] = true;
-    }
-  }
-  return isTaken;
-}
-
 /// The faces along a tile's edge without the given nodes. A contact constraint at a node that
 /// *EQUATION or a rigid body already determines would be overconstrained. A node that two parts
 /// share cannot part from itself.
@@ -1088,7 +1066,9 @@ std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
         "error: contact is between the flanks of solid tiles; remove --deck-contacts, or --shells "
         "and --plane-stress");
   }
-  const std::vector<bool> isTaken = nodesOfJoints(mesh);
+  std::vector<bool> isTaken = jointNodesOf(mesh);
+  const std::vector<bool> isFollower = followers(mesh);
+  for (std::size_t k = 0; k < isTaken.size(); ++k) isTaken[k] = isTaken[k] || isFollower[k];
   std::vector<ContactPair> pairs;
   for (const auto& [first, second] : facingEdges(mesh)) {
     ContactPair pair{freeFaces(mesh, first, isTaken), freeFaces(mesh, second, isTaken)};

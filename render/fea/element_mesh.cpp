@@ -483,6 +483,24 @@ bool hasEquations(const ElementMesh& mesh) {
   return mesh.rule.joints != JointStyle::Patch && !mesh.clusters.empty();
 }
 
+std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
+  std::vector<bool> isJoint(mesh.nodes.size());
+  std::vector<bool> isUsed(mesh.nodes.size());
+  for (const auto* parts : {&mesh.tiles, &mesh.necks}) {
+    for (const TileElements& part : *parts) {
+      for (const int node : part.nodes) {
+        if (isUsed[node]) isJoint[node] = true;
+        isUsed[node] = true;
+      }
+    }
+  }
+  for (const JointNodes& joint : mesh.joints) {
+    for (const int node : joint.a) isJoint[node] = true;
+    for (const int node : joint.b) isJoint[node] = true;
+  }
+  return isJoint;
+}
+
 std::vector<bool> followers(const ElementMesh& mesh) {
   std::vector<bool> follows(mesh.nodes.size());
   for (const NodeCluster& cluster : mesh.clusters) {

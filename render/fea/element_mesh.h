@@ -218,6 +218,10 @@ bool hasEquations(const ElementMesh& mesh);
 /// nodes. Reference and control nodes have no entry.
 std::vector<bool> followers(const ElementMesh& mesh);
 
+/// For each node of the mesh whether it belongs to a joint, or to two parts: tiles share nodes with
+/// necks or with each other.
+std::vector<bool> jointNodesOf(const ElementMesh& mesh);
+
 /// The rotation centre of a cluster's patches, numbered after all other nodes, zero-based.
 /// `cluster` is zero-based, and the mesh has JointStyle::Patch.
 int referenceNode(const ElementMesh& mesh, std::size_t cluster);

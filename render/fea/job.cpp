@@ -633,26 +633,6 @@ struct TileMotion {
   }
 };
 
-/// The nodes of joints, and those that tiles share with necks or each other. Any node that a second
-/// part uses counts.
-std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
-  std::vector<bool> isJoint(mesh.nodes.size());
-  std::vector<bool> isUsed(mesh.nodes.size());
-  for (const auto* parts : {&mesh.tiles, &mesh.necks}) {
-    for (const TileElements& part : *parts) {
-      for (const int node : part.nodes) {
-        if (isUsed[node]) isJoint[node] = true;
-        isUsed[node] = true;
-      }
-    }
-  }
-  for (const JointNodes& joint : mesh.joints) {
-    for (const int node : joint.a) isJoint[node] = true;
-    for (const int node : joint.b) isJoint[node] = true;
-  }
-  return isJoint;
-}
-
 /// Minimum for six displacements to fix a tile at any rotation: least singular value of their
 /// equations, with spins scaled by the tile's size. Tiles below it are driven by nine
 /// displacements.
