@@ -247,15 +247,6 @@ class Mixing {
   std::vector<Eigen::VectorXd> points_, moves_;
 };
 
-/// Recomputes the lengths of a path whose states have changed.
-void measureLengths(const std::vector<brick::Brick>& bricks, run::MechanismPath& path) {
-  path.lengths = {0};
-  for (std::size_t k = 1; k < path.states.size(); ++k) {
-    path.lengths.push_back(path.length() +
-                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
-  }
-}
-
 /// The mechanism in one metric. It moves states towards guide states.
 class Mechanism {
  public:
@@ -536,7 +527,7 @@ class Continuation {
                            std::move(state));
     }
     poses_ = path_.states.back();
-    measureLengths(mechanism_.bricks(), path_);
+    path_.lengths = run::pathLengths(mechanism_.bricks(), path_.states);
   }
 
   /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
@@ -816,7 +807,7 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
   }
   std::ranges::reverse(back.states);
   if (!back.isStuck) back.states.front() = start;
-  measureLengths(bricks, back);
+  back.lengths = run::pathLengths(bricks, back.states);
   // The joints of rounded tiles may have moved the end away from the goal.
   if (scene.model.target)
     back.error = trajectory::targetError(*scene.model.target, bricks, back.states.back());

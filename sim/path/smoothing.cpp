@@ -391,10 +391,7 @@ class Smoothing {
 
   /// Sets the scale of the energy and the price of openings. Returns whether the path has a length.
   bool setScale() {
-    double length = 0;
-    for (std::size_t i = 1; i < count(); ++i) {
-      length += run::pathDistance(bricks_, states_[i - 1], states_[i]);
-    }
+    const double length = run::pathLengths(bricks_, states_).back();
     const double mean = length / static_cast<double>(count() - 1);
     scale_ = static_cast<double>(bricks_.size()) * mean * mean;
     price_ = std::pow(2 * std::numbers::pi * kWaves / static_cast<double>(count() - 1), 4);
@@ -699,18 +696,9 @@ class Smoothing {
     close(poses, isOpen);
   }
 
-  /// Path lengths up to each state, metres.
-  std::vector<double> lengths() const {
-    std::vector<double> lengths = {0};
-    for (std::size_t i = 1; i < count(); ++i) {
-      lengths.push_back(lengths.back() + run::pathDistance(bricks_, states_[i - 1], states_[i]));
-    }
-    return lengths;
-  }
-
   /// Replaces the states by those of the result: at constant speed on cubics through them.
   void sampleFinely() {
-    const std::vector<double> from = lengths();
+    const std::vector<double> from = run::pathLengths(bricks_, states_);
     const double number =
         std::clamp(std::ceil(from.back() / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
     std::vector<Poses> fine = {states_.front()};
@@ -775,7 +763,7 @@ class Smoothing {
   /// Inserts states in the middle of the intervals of a part and of one interval on both sides,
   /// whose second differences then belong to the part. Returns the new numbers of its ends.
   std::pair<std::size_t, std::size_t> halve(std::size_t first, std::size_t last) {
-    const std::vector<double> from = lengths();
+    const std::vector<double> from = run::pathLengths(bricks_, states_);
     const std::size_t begin = first - std::min<std::size_t>(first, 1);
     const std::size_t end = std::min(last + 1, count() - 1);
     std::vector<Poses> between;
@@ -795,7 +783,7 @@ class Smoothing {
 
   /// The states with others between two of them where bricks overlap there.
   std::vector<Poses> withInsertedStates() {
-    const std::vector<double> from = lengths();
+    const std::vector<double> from = run::pathLengths(bricks_, states_);
     std::vector<double> places(from.rbegin(), from.rend() - 1);
     const std::size_t most = 2 * places.size();
     std::vector<Poses> found = {states_.front()};
@@ -904,13 +892,8 @@ std::optional<run::MechanismPath> smoothed(const scene::Scene& scene,
   std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
   if (states.empty()) return std::nullopt;
   run::MechanismPath path = old;
-  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   path.states = std::move(states);
-  path.lengths = {0};
-  for (std::size_t k = 1; k < path.states.size(); ++k) {
-    path.lengths.push_back(path.length() +
-                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
-  }
+  path.lengths = run::pathLengths(brick::makeBricks(scene.model.tiles, scene.brick), path.states);
   return path;
 }
 

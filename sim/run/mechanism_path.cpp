@@ -47,4 +47,13 @@ double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, 
   return std::sqrt(sum / static_cast<double>(bricks.size()));
 }
 
+std::vector<double> pathLengths(const std::vector<brick::Brick>& bricks,
+                                const std::vector<Poses>& states) {
+  std::vector<double> lengths = {0};
+  for (std::size_t k = 1; k < states.size(); ++k) {
+    lengths.push_back(lengths.back() + pathDistance(bricks, states[k - 1], states[k]));
+  }
+  return lengths;
+}
+
 }  // namespace kirireel::run

@@ -39,6 +39,10 @@ double gyrationRadius(const brick::Brick& brick);
 double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
+/// The length of a path up to each of its states, one or more; metres.
+std::vector<double> pathLengths(const std::vector<brick::Brick>& bricks,
+                                const std::vector<Poses>& states);
+
 /// Closes joints as Dynamics::assemble() does, but keeps the bricks' common centre fixed. Near
 /// singular states, rounding errors times the stiffness would otherwise shift the whole sheet.
 bool closeInPlace(Poses& poses, Dynamics& dynamics);
