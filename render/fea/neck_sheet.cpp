@@ -306,10 +306,10 @@ std::vector<std::vector<int>> lineNumbers(const writers::NeckOutline& outline) {
 
 /// Sides of cells without a neighbour, by region and tile edge; cells are numbered from the
 /// region's first. They are the outline of the sheet and both sides of each slit. tileEdge is -1 at
-/// necks and where these are cut into tiles.
+/// necks and where these are cut into tiles. `numbers`: lineNumbers().
 std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh,
-                                                  const writers::NeckOutline& outline) {
-  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
+                                                  const writers::NeckOutline& outline,
+                                                  const std::vector<std::vector<int>>& numbers) {
   std::map<std::pair<int, int>, int> uses;
   const auto sideOf = [](const std::array<int, 4>& cell, int k) {
     return std::pair<int, int>(std::minmax(cell[k], cell[(k + 1) % 4]));
@@ -320,9 +320,10 @@ std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh,
   std::vector<std::vector<FootprintSide>> sides(mesh.firstCell.size() - 1);
   for (std::size_t region = 0; region < sides.size(); ++region) {
     std::map<int, int> edgeOf;  // by the number of its line
-    for (std::size_t e = 0; region < outline.tiles.size() && e < outline.edges[region].size();
-         ++e) {
-      edgeOf[numbers[region][outline.edges[region][e]]] = static_cast<int>(e);
+    if (region < outline.edges.size()) {
+      for (const int first : outline.edges[region]) {
+        edgeOf.emplace(numbers[region][first], static_cast<int>(edgeOf.size()));
+      }
     }
     for (std::size_t c = mesh.firstCell[region]; c < mesh.firstCell[region + 1]; ++c) {
       for (int k = 0; k < 4; ++k) {
@@ -428,13 +429,13 @@ std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
 /// The element faces at the ends of the outline.
 SheetEnds endsOf(const ElementMesh& mesh, const RegionMesh& region,
                  const std::vector<std::vector<FootprintSide>>& sides,
-                 const writers::NeckOutline& outline, double tileSize) {
+                 const writers::NeckOutline& outline, const std::vector<std::vector<int>>& numbers,
+                 double tileSize) {
   const EndEdges found = endsOf(outline, tileSize);
   SheetEnds ends{found.axes, found.isFlat, found.longest, {}};
   if (mesh.rule.family != ElementFamily::Plane) {
     ends.axes = outline.sheet.turn.conjugate().toRotationMatrix() * found.axes;
   }
-  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
   for (std::size_t end = 0; end < ends.faces.size(); ++end) {
     for (const PolygonEdge& edge : found.edges[end]) {
       const std::size_t part = edge.polygon;
@@ -521,7 +522,8 @@ ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const 
   ElementMesh mesh;
   mesh.rule = rule;
   PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
-  const std::vector<std::vector<FootprintSide>> sides = freeSides(region, outline);
+  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
+  const std::vector<std::vector<FootprintSide>> sides = freeSides(region, outline, numbers);
   for (std::size_t k = 0; k < regions; ++k) {
     const std::size_t first = region.firstCell[k];
     TileElements part = layers.append(first, region.firstCell[k + 1] - first, sides[k]);
@@ -529,9 +531,8 @@ ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const 
     (k < outline.tiles.size() ? mesh.tiles : mesh.necks).push_back(std::move(part));
   }
   if (rule.family == ElementFamily::Plane) mesh.turn = outline.sheet.turn;
-  mesh.ends = endsOf(mesh, region, sides, outline, tileSize);
+  mesh.ends = endsOf(mesh, region, sides, outline, numbers, tileSize);
   std::map<std::pair<int, int>, int> numberOf;
-  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
   for (std::size_t k = 0; k < regions; ++k) {
     const std::vector<int>& loop = loopOf(outline, static_cast<int>(k));
     for (std::size_t j = 0; j < loop.size(); ++j) {
@@ -684,6 +685,7 @@ ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
     if (isKept[outline.tiles.size() + k]) necks.push_back(outline.necks[k]);
   }
   outline.tiles.resize(model.tiles.size());
+  outline.edges.resize(model.tiles.size());
   outline.necks = std::move(necks);
   std::vector<bool> isUsed(outline.points.size());
   for (std::size_t k = 0; k < outline.tiles.size() + outline.necks.size(); ++k) {
