@@ -147,17 +147,19 @@ class SheetMaker {
 
   /// Refuses a cut that crosses a line and ends a little beyond it: no neck remains there.
   void requireNoCrossing(const Arrangement& lines, const CutRay& ray, double scale) const {
-    const auto [node, before, length] = stubOf(lines, ray.node);
-    if (lines.leaving(node).size() < 4 || length > kStub * scale || length < 2 * cuts_.kerf) return;
-    const Vector2 along = (lines.at(before) - lines.at(node)).normalized();
-    const bool crosses = std::ranges::any_of(lines.leaving(node), [&](int half) {
-      return (lines.at(lines.to(half)) - lines.at(node)).normalized().dot(along) < -0.99;
+    const Stub stub = stubOf(lines, ray.node);
+    const std::vector<int>& leaving = lines.leaving(stub.node);
+    if (leaving.size() < 4 || stub.length > kStub * scale || stub.length < 2 * cuts_.kerf) return;
+    const Vector2 crossing = lines.at(stub.node);
+    const Vector2 along = (lines.at(stub.before) - crossing).normalized();
+    const bool crosses = std::ranges::any_of(leaving, [&](int half) {
+      return (lines.at(lines.to(half)) - crossing).normalized().dot(along) < -0.99;
     });
     if (!crosses) return;
-    throw faultAt({lines.at(node)},
+    throw faultAt({crossing},
                   fmt::format("a cut crosses a line at {} and ends {} beyond it. End it at "
                               "the line, or before the line to keep a neck",
-                              drawing_.place(lines.at(node)), drawing_.length(length)));
+                              drawing_.place(crossing), drawing_.length(stub.length)));
   }
 
   /// Removes short pieces of cuts beyond the border of their sheet.

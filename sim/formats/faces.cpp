@@ -238,10 +238,9 @@ class PlanarDrawing {
 
   /// Whether an end of one edge lies within the other.
   bool touches(int one, int other) const {
-    const auto [first, second] = ends_[other];
     return std::ranges::any_of(std::array{ends_[one].first, ends_[one].second}, [&](int point) {
       const auto [distance, share] = alongEdge(point, other);
-      const bool isOwn = point == first || point == second;
+      const bool isOwn = point == ends_[other].first || point == ends_[other].second;
       return !isOwn && std::abs(distance) <= tolerance() && share > 0 && share < 1;
     });
   }

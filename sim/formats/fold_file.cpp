@@ -35,7 +35,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <ranges>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -347,9 +346,10 @@ class FoldReader {
       if (!isOfFold(key)) foreign.push_back(shown(key, 24));
     }
     if (!foreign.empty()) {
+      const auto shownEnd = foreign.begin() + std::min<std::ptrdiff_t>(3, std::ssize(foreign));
       ignored.push_back(fmt::format(
           "{} key{} of other programs ({}{})", foreign.size(), foreign.size() == 1 ? "" : "s",
-          fmt::join(foreign | std::views::take(3), ", "), foreign.size() > 3 ? ", ..." : ""));
+          fmt::join(foreign.begin(), shownEnd, ", "), foreign.size() > 3 ? ", ..." : ""));
     }
     if (ignored.empty()) return;
     warnings.push_back(

@@ -65,7 +65,7 @@ std::optional<DrawnPath> middleOfThin(const DrawnPath& ring, double most) {
     return std::ranges::max_element(points, {},
                                     [&](const Vector2& p) { return (p - from).norm(); });
   };
-  std::ranges::rotate(points, farthestFrom(*farthestFrom(points.front())));
+  std::rotate(points.begin(), farthestFrom(*farthestFrom(points.front())), points.end());
   const auto half = farthestFrom(points.front());
   const Vector2 first = points.front(), last = *half;
   DrawnPath middle = ring, side = ring;

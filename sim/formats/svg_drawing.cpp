@@ -931,12 +931,11 @@ class SvgReader {
       return path.colour == "fill none" || path.colour == "fill transparent";
     };
     if (std::ranges::any_of(drawing_.paths, [&](const DrawnPath& p) { return !isFill(p); })) {
-      const auto fills = std::ranges::stable_partition(drawing_.paths, std::not_fn(isFill));
-      for (const DrawnPath& fill : fills) {
-        if (!isNothing(fill)) drawing_.shapes.push_back(fill);
+      for (const DrawnPath& path : drawing_.paths) {
+        if (isFill(path) && !isNothing(path)) drawing_.shapes.push_back(path);
       }
-      if (!fills.empty()) drawing_.ignored[kShapeWithoutStroke] += static_cast<int>(fills.size());
-      drawing_.paths.erase(fills.begin(), fills.end());
+      const auto count = std::erase_if(drawing_.paths, isFill);
+      if (count > 0) drawing_.ignored[kShapeWithoutStroke] += static_cast<int>(count);
     } else if (!std::ranges::all_of(drawing_.paths, isNothing)) {
       std::erase_if(drawing_.paths, isNothing);
     }

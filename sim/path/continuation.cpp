@@ -43,7 +43,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "sim/model/isometry.h"
@@ -522,9 +521,9 @@ class Continuation {
   /// Without contacts, nothing fixes the place of a piece; see withoutDrift().
   void removeDrift() {
     const bool isPlanar = scene::sceneNeeds(scene_).planar.on;
-    for (Poses& state : std::views::drop(path_.states, 1)) {
-      state = withoutDrift(mechanism_.bricks(), path_.states.front(), pieces_, isPlanar,
-                           std::move(state));
+    for (std::size_t k = 1; k < path_.states.size(); ++k) {
+      path_.states[k] = withoutDrift(mechanism_.bricks(), path_.states.front(), pieces_, isPlanar,
+                                     std::move(path_.states[k]));
     }
     poses_ = path_.states.back();
     path_.lengths = run::pathLengths(mechanism_.bricks(), path_.states);
