@@ -39,7 +39,8 @@ double inUnit(double metres, const LengthUnit& unit) {
 
 std::string lengthText(double metres, const LengthUnit& unit, int digits) {
   // 400 mm instead of 4e+02 mm.
-  const double rounded = std::stod(fmt::format("{:.{}g}", metres / unit.metres, digits));
+  const double rounded =
+      std::strtod(fmt::format("{:.{}g}", metres / unit.metres, digits).c_str(), nullptr);
   return fmt::format("{:g} {}", rounded, unit.name);
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -706,7 +707,7 @@ std::string quotedList(const std::vector<std::string>& values) {
 double numberReadAs(double requested, double guess, const std::function<double(double)>& read) {
   // 17 digits distinguish any two doubles, fewer are more readable.
   for (int digits = 6; digits <= 17; ++digits) {
-    const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
+    const double shorter = std::strtod(fmt::format("{:.{}g}", guess, digits).c_str(), nullptr);
     if (read(shorter) == requested) return shorter;
   }
   // The conversion rounds, so a number next to the guess may be the right one.
