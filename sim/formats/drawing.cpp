@@ -3,11 +3,9 @@
 #include "sim/formats/drawing.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <system_error>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -23,15 +21,6 @@ constexpr double kFlattening = 5e-5;
 // Fraction of a drawing's numbers that may have more decimals than its last digit.
 constexpr double kFew = 0.05;
 constexpr const char* kDrawingPurpose = "give an SVG or an ASCII DXF file with lines to cut";
-
-/// Windows programs write UTF-16. Only ASCII characters matter in a DXF file.
-std::string withoutWideCharacters(const std::string& text) {
-  const bool isLittle = text.starts_with("\xff\xfe"), isBig = text.starts_with("\xfe\xff");
-  if (!isLittle && !isBig) return text;
-  std::string narrow;
-  for (std::size_t k = 2; k + 1 < text.size(); k += 2) narrow += text[k + (isBig ? 1 : 0)];
-  return narrow;
-}
 
 }  // namespace
 
@@ -73,11 +62,8 @@ double DecimalCounts::lastPlace() const {
 double drawnNumber(std::string_view text, const FileLocation& place, DecimalCounts* decimals) {
   std::string typed(text);
   std::ranges::replace(typed, ',', '.');
-  const char* begin = typed.data() + (typed.starts_with('+') ? 1 : 0);
   double value = 0;
-  const char* const end = typed.data() + typed.size();
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) {
+  if (!readNumber(typed, value) || !std::isfinite(value)) {
     throw inputErrorAt(place, fmt::format("'{}' is not a number. Correct it, or save the drawing "
                                           "again",
                                           shown(text, 24)));
@@ -140,11 +126,12 @@ bool isDrawing(const std::filesystem::path& file) {
 }
 
 Drawing readDrawing(const std::filesystem::path& file) {
-  const std::string text = readTextFile(file, kDrawingPurpose);
   const bool isSvg = endingOf(file) == ".svg";
-  const std::string pairs = isSvg ? "" : withoutWideCharacters(text);
+  // The parser of XML knows the encodings of SVG files.
+  const std::string text =
+      isSvg ? readTextFile(file, kDrawingPurpose) : readPlainText(file, kDrawingPurpose);
   const auto read = [&](double flattening) {
-    return isSvg ? readSvgDrawing(file, text, flattening) : readDxfDrawing(file, pairs, flattening);
+    return isSvg ? readSvgDrawing(file, text, flattening) : readDxfDrawing(file, text, flattening);
   };
   // A drawing without curves is the same at any tolerance.
   Drawing coarse = read(1e3);

@@ -91,7 +91,6 @@ class DxfReader {
 
   void parse(std::string_view text) {
     std::size_t at = 0;
-    if (text.starts_with("\xef\xbb\xbf")) at = 3;
     const auto nextLine = [&] { return takeLine(text, at); };
     std::string section, block;
     std::optional<bool> hasSections;
@@ -125,7 +124,9 @@ class DxfReader {
       if (code->starts_with('\x1a')) break;  // the end of a file of DOS
       if (!value || error != std::errc() || end != code->data() + code->size()) {
         throw inputErrorAt({file_, line - 1},
-                           "this is not a group code. Save the drawing as ASCII DXF");
+                           fmt::format("'{}' is not a group code with a value after it. Save the "
+                                       "drawing as ASCII DXF",
+                                       shown(*code, 24)));
       }
       if (number == 0) {
         if (hasSections)
@@ -314,8 +315,14 @@ class DxfReader {
     if (block == blocks_.end() || depth >= kDeepestBlock) {
       throw inputErrorAt(
           {file_, entity.line},
-          fmt::format("an INSERT names the block '{}', which does not exist or contains itself",
-                      shown(name, 24)));
+          fmt::format("an INSERT names the block '{}', which {}. Explode it in the CAD program, "
+                      "or delete it",
+                      shown(name, 24),
+                      block == blocks_.end()
+                          ? "does not exist in this file"
+                          : fmt::format("is more than {} blocks deep, or contains "
+                                        "itself",
+                                        kDeepestBlock)));
     }
     const int columns = std::clamp(whole(entity, 70, 1), 1, 1000);
     const int rows = std::clamp(whole(entity, 71, 1), 1, 1000);
@@ -337,7 +344,8 @@ class DxfReader {
       inner.colour = path.colour;
       inner.depth = depth + 1;
       if (++inserts_ > 200'000) {
-        throw inputErrorAt({file_, entity.line}, "too many blocks within blocks");
+        throw inputErrorAt({file_, entity.line},
+                           "there are more than 200000 inserted blocks. Explode or delete some");
       }
       addEntities(block->second, inner);
     }

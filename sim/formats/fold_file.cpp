@@ -83,7 +83,7 @@ constexpr int kMostNested = 64;
 // The whole file as JSON; its syntax errors as ours.
 Json parsedFile(const fs::path& file) {
   try {
-    return parseJson(readTextFile(file, "give a FOLD file"), kMostNested);
+    return parseJson(readPlainText(file, "give a FOLD file"), kMostNested);
   } catch (const std::length_error&) {
     throw inputErrorAt(
         {file},

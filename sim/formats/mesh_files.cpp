@@ -542,7 +542,12 @@ class PlyReader {
     return std::string_view(text_).substr(begin, end - begin);
   }
 
-  void skipLine() { at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1; }
+  /// Moves behind the end of the line: a line feed, a carriage return, or both.
+  void skipLine() {
+    at_ = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    if (text_.compare(at_, 2, "\r\n") == 0) ++at_;
+    at_ = std::min(at_ + 1, text_.size());
+  }
 
   // The two spellings of each type that are in use.
   PlyType typeNamed(std::string_view name) const {
@@ -565,6 +570,7 @@ class PlyReader {
   // Keys come in any order. Unknown keys (comment, obj_info) are ignored up to the end of their
   // line.
   void readHeader() {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
     if (word() != "ply") throw faultHere("the file does not begin with \"ply\"");
     bool hasFormat = false;
     for (;;) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <system_error>
@@ -23,14 +24,9 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 constexpr std::string_view kCommas = ",;";
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string quoted(std::string_view text) {
   return fmt::format("'{}'", shown(text, 24));
-}
-
-bool isUtf16(std::string_view text) {
-  return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
 }
 
 /// Position of a comment in a line; npos if there is none.
@@ -46,15 +42,38 @@ std::string_view withoutCommas(std::string_view field) {
 
 }  // namespace
 
+std::string readPlainText(const std::filesystem::path& file, const std::string& purpose) {
+  std::string text = readTextFile(file, purpose);
+  const bool isLittle = text.starts_with("\xFF\xFE");
+  if (isLittle || text.starts_with("\xFE\xFF")) {
+    std::string narrow;
+    for (size_t k = 2; k + 1 < text.size(); k += 2) {
+      const auto byte = [&](size_t at) { return static_cast<unsigned char>(text[at]); };
+      const unsigned letter = byte(isLittle ? k + 1 : k) * 256U + byte(isLittle ? k : k + 1);
+      if (letter < 0x80) {
+        narrow += static_cast<char>(letter);
+      } else if (letter < 0x800) {
+        narrow +=
+            {static_cast<char>(0xC0 | letter >> 6), static_cast<char>(0x80 | (letter & 0x3F))};
+      } else if (letter < 0xD800 || letter > 0xDFFF) {
+        narrow +=
+            {static_cast<char>(0xE0 | letter >> 12), static_cast<char>(0x80 | (letter >> 6 & 0x3F)),
+             static_cast<char>(0x80 | (letter & 0x3F))};
+      } else {
+        narrow += '?';  // half of a character beyond 16 bits, in names only
+      }
+    }
+    text = std::move(narrow);
+  }
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  if (text.find('\n') == text.npos) std::ranges::replace(text, '\r', '\n');
+  return text;
+}
+
 TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Comments comments)
     : file_(std::move(file)), comments_(comments) {
-  text_ = readTextFile(file_, purpose);
-  if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
-  if (isUtf16(text_)) {
-    throw inputErrorAt({file_}, "this is UTF-16 text; save it as UTF-8 or plain text");
-  }
-  // Line ends of old Macintosh programs.
-  if (text_.find('\n') == text_.npos) std::ranges::replace(text_, '\r', '\n');
+  text_ = readPlainText(file_, purpose);
 }
 
 bool TextTable::next(TextLine& line) {
@@ -123,7 +142,9 @@ bool readNumber(std::string_view text, double& value) {
   }
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::invalid_argument || end != text.data() + text.size()) return false;
-  if (error == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
+  // Zero for a number below the least one, an infinity for one above the largest.
+  if (error == std::errc::result_out_of_range)
+    value = std::strtod(std::string(text).c_str(), nullptr);
   return true;
 }
 

@@ -73,12 +73,16 @@ class TextTable {
   bool hasComment_ = false;
 };
 
+/// A text file as UTF-8 without a byte-order mark, with `\n` in place of the line ends of old
+/// Macintosh programs. Windows programs write UTF-16. See readTextFile().
+std::string readPlainText(const std::filesystem::path& file, const std::string& purpose);
+
 /// Largest accepted coordinate, in the file's unit. Larger numbers have no decimals as doubles, so
 /// they would lose the precision that joints need.
 inline constexpr double kMaxCoordinate = 1e15;
 
 /// Reads a number, also with a leading plus or a Fortran exponent (1.0D+00). False if the text is
-/// not completely a number. Out of range gives an infinity.
+/// not completely a number. Above the largest double it gives an infinity, below the least one 0.
 bool readNumber(std::string_view text, double& value);
 
 /// Whether a word is a missing number: NaN in upper or lower case, with or without a sign.

@@ -1,6 +1,7 @@
 // Geometry of drawings: positions in closed form, for any spelling.
 #include "sim/formats/drawing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -65,7 +66,8 @@ TEST(SvgDrawing, AllSpellingsOfLinesAreOne) {
   for (const std::string text :
        {"<path d=\"M 10 20 L 30 20 L 30 50\"/>", "<path d=\"M10,20H30V50\"/>",
         "<path d=\"m10 20 20 0 0 30\"/>", "<path d='M1e1+20h20v30'/>",
-        "<path d=\"M10,20 30,20 30,50\"/>", "<polyline points=\"10,20 30,20 30,50\"/>",
+        "<path d='m10 20 20 1e-400 0 30'/>", "<path d=\"M10,20 30,20 30,50\"/>",
+        "<polyline points=\"10,20 30,20 30,50\"/>",
         "<!-- <path d=\"M0 0L1 1\"/> --><path d=\"m10 20h20v30\"/>",
         "<svg x=\"10\" y=\"20\"><path d=\"M0 0H20V30\"/></svg>",
         "<svg x=\"10\" y=\"20\" width=\"10\" height=\"10\" viewBox=\"5 5 20 20\"><path d=\"M5 "
@@ -450,17 +452,37 @@ TEST(DxfDrawing, ReportsWhatIsWrong) {
   EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\nx\n0\nEOF\n"),
               HasSubstr("a.dxf:8: error: "));
   EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"),
-              HasSubstr("a.dxf:3: error: this is not a group code"));
+              HasSubstr("a.dxf:3: error: 'x' is not a group code with a value after it. Save"));
   EXPECT_THAT(refusal("a.dxf", "AutoCAD Binary DXF\r\n"), HasSubstr("save it as ASCII DXF"));
-  EXPECT_THAT(refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")),
-              HasSubstr("a.dxf:6: error: an INSERT names the block 'b', which does not exist or "
-                        "contains itself"));
+  EXPECT_THAT(
+      refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")),
+      HasSubstr("a.dxf:6: error: an INSERT names the block 'b', which does not exist in this "
+                "file. Explode it"));
+  const std::string loop = "0\nINSERT\n2\nb\n10\n0\n20\n0\n";
+  EXPECT_THAT(refusal("a.dxf", section("BLOCKS", "0\nBLOCK\n2\nb\n" + loop + "0\nENDBLK\n") +
+                                   section("ENTITIES", loop)),
+              HasSubstr("which is more than 20 blocks deep, or contains itself. Explode it"));
 }
 
 TEST(Drawing, PlacesAreTheDrawingsOwn) {
   const Drawing drawing = shapes("<path d=\"M 10.25 20 H 30\"/>");
   EXPECT_EQ(drawing.place(drawing.paths[0].points[0]), "(10.25, 20) mm");
   EXPECT_NEAR(drawing.rounding, 1e-5, 1e-12);
+}
+
+// Windows programs write UTF-16, old Macintosh programs end lines by a carriage return.
+TEST(DxfDrawing, ReadsTextOfAnySystem) {
+  const std::string plain = section("ENTITIES", "0\nLINE\n10\n0\n20\n0\n11\n1\n21\n2\n");
+  const std::vector<DrawnPath> paths = drawn("a.dxf", plain).paths;
+  ASSERT_EQ(paths.size(), 1U);
+  std::string macintosh = plain, wide = "\xFE\xFF";
+  std::ranges::replace(macintosh, '\n', '\r');
+  for (const char letter : plain) wide += {'\0', letter};
+  for (const std::string& text : {macintosh, wide, "\xEF\xBB\xBF" + plain}) {
+    const std::vector<DrawnPath> read = drawn("a.dxf", text).paths;
+    ASSERT_EQ(read.size(), 1U);
+    EXPECT_EQ(read[0].points, paths[0].points);
+  }
 }
 
 // The finest place of more than a few numbers, not the most frequent one.

@@ -243,6 +243,15 @@ TEST(DeclaredUnits, CountInEveryFormat) {
   }
 }
 
+TEST(FoldFile, ReadsTextOfAnySystem) {
+  const std::string plain = twoSquares().dump(1);
+  std::string windows = "\xFF\xFE";
+  for (const char letter : plain) windows += {letter, '\0'};
+  for (const std::string& text : {"\xEF\xBB\xBF" + plain, windows}) {
+    EXPECT_EQ(readText(text).model.tiles.size(), 2U);
+  }
+}
+
 TEST(FoldFile, TakesBothNamesOfAngles) {
   const json angles = {0, 90, 0, 0, 0, 0, 0};
   for (const char* name : {"edges_foldAngles", "edges_foldAngle"}) {

@@ -78,15 +78,29 @@ TEST(FolderErrors, NumbersAreWrittenInManyWays) {
   }
   EXPECT_EQ(messageFor({{"vertices.txt", "\xEF\xBB\xBF" + kSquares}}), "");
   EXPECT_EQ(messageFor({{"vertices.txt", replaced(kSquares, "1 ", "1.0E+00 ")}}), "");
+  EXPECT_EQ(messageFor({{"vertices.txt", replaced(kSquares, "0 ", "1e-400 ")}}), "");
   EXPECT_EQ(messageFor({{"constraints.txt", "0.0000000e+00 1.0 1 0.0 3e0\n"}}), "");
+}
+
+/// A text as Windows programs save it, with the bytes of each character in this order.
+std::string asUtf16(const std::string& text, bool isLittle) {
+  std::string wide = isLittle ? "\xFF\xFE" : "\xFE\xFF";
+  for (const char letter : text) {
+    wide += isLittle ? std::string{letter, '\0'} : std::string{'\0', letter};
+  }
+  return wide;
+}
+
+TEST(FolderErrors, TextOfWindowsHasNone) {
+  for (const bool isLittle : {true, false}) {
+    EXPECT_EQ(messageFor({{"vertices.txt", asUtf16(kSquares, isLittle)}}), "") << isLittle;
+  }
 }
 
 TEST(FolderErrors, NumbersThatAreAmbiguousAreNot) {
   EXPECT_EQ(messageFor({{"vertices.txt", "0,5 0 0 1,5 0 0 1 1 0\n"}}),
             "@/vertices.txt:1:1: error: '0,5' is not a number; write coordinates, with a "
             "decimal point, separated by blanks");
-  EXPECT_EQ(messageFor({{"vertices.txt", "\xFF\xFE 0 0"}}),
-            "@/vertices.txt: error: this is UTF-16 text; save it as UTF-8 or plain text");
 }
 
 TEST(FolderErrors, MissingFolder) {

@@ -1,4 +1,5 @@
 // Models in formats other than folders: round trips, published files, and every message.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -269,8 +270,12 @@ TEST(Formats, ReadsPlyOfAllThreeKinds) {
     }
     return text;
   };
+  // Line ends of old Macintosh programs.
+  std::string macintosh = ascii;
+  std::ranges::replace(macintosh, '\n', '\r');
   const TemporaryFolder folder;
-  for (const std::string& text : {ascii, binary(false), binary(true)}) {
+  for (const std::string& text :
+       {ascii, macintosh, "\xEF\xBB\xBF" + ascii, binary(false), binary(true)}) {
     folder.write("a.ply", text);
     const model::Model model = read(folder.path() / "a.ply");
     ASSERT_EQ(model.tiles.size(), 2U);
