@@ -1113,25 +1113,13 @@ model::FoldSheet sheetToWrite(const model::Model& model, const std::vector<FoldS
   return sheet;
 }
 
-/// Adds the edges of a sheet. A sheet without angles, also in its other states, gets those of the
-/// model, see creasesOf().
+/// Adds the edges of a sheet: those of its file, otherwise those of the model, see creasesOf().
 void addEdges(const model::FoldSheet& sheet, const model::Model& inOrder,
               const std::optional<Vector3>& normal, Json& json) {
-  const auto isInFrames = [](const model::Crease& crease) { return !crease.targetAngles.empty(); };
-  if (sheet.hasAngles || sheet.givesTarget || std::ranges::any_of(sheet.creases, isInFrames)) {
+  if (!sheet.creases.empty()) {
     return addCreases(sheet.creases, sheet.hasLetters, sheet.hasAngles, json);
   }
-  const std::vector<model::Crease> found = creasesOf(sheet.outlines, inOrder, normal);
-  if (sheet.creases.empty()) return addCreases(found, true, true, json);
-  // Angles in the target of edges in the file.
-  std::map<std::pair<int, int>, std::optional<double>> angles;
-  for (const model::Crease& crease : found) angles[{crease.from, crease.to}] = crease.foldAngle;
-  std::vector<model::Crease> creases = sheet.creases;
-  for (model::Crease& crease : creases) {
-    const auto own = angles.find(std::minmax(crease.from, crease.to));
-    if (own != angles.end()) crease.foldAngle = own->second;
-  }
-  addCreases(creases, sheet.hasLetters, normal && inOrder.target, json);
+  addCreases(creasesOf(sheet.outlines, inOrder, normal), true, true, json);
 }
 
 Json jointRows(const std::vector<model::Joint>& joints) {
@@ -1401,23 +1389,19 @@ void writeFold(const model::Model& model, const fs::path& file) {
 //    case the corners are divided into groups with common uncut edges at the vertex. Two
 //    faces with a common uncut edge are in the same group. Each group is a chain of
 //    joints.
-// 2. *Folding.* An isometry T of the flat sheet places a face. Across an edge with the
-//    fold angle a (radians) it places the neighbour by
+// 2. *Folding.* An isometry T of the flat sheet places a face. Across an edge with the fold angle a
+//    (radians) it places the neighbour by
 //      T' = T P R(-a, e) P^-1
-//    P moves the origin to a point of the edge. R(-a, e)
-// turns by -a about the edge's direction
-//    e, with the first face on its left seen from the
-//    upper side of the sheet. A positive angle therefore
-//    lifts the neighbour, on the right of e, to the upper
-//    side: a valley. Folding starts at one face of each
-//    piece and proceeds outwards. Loops of edges are not
-//    checked here. Inconsistent angles leave open joints
-//    at the last edge of a loop, and the caller measures
+//    P moves the origin to a point of the edge. R(-a, e) turns by -a about the edge's direction e,
+//    with the first face on its left seen from the upper side of the sheet. A positive angle
+//    therefore lifts the neighbour, on the right of e, to the upper side: a valley. Folding starts
+//    at one face of each piece and proceeds outwards. Loops of edges are not checked here.
+//    Inconsistent angles leave open joints at the last edge of a loop, and the caller measures
 //    these.
-// 3. *Angles* of a folded state: a = -atan2((n x n') . e,
-//    n . n'), with the unit normals n and n' of both
-//    faces. atan2 is accurate near 0 and near 180 degrees,
-//    unlike an arc cosine, which loses half of the digits.
+// 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), with the unit normals n and n'
+// of
+//    both faces. atan2 is accurate near 0 and near 180 degrees, unlike an arc cosine, which loses
+//    half of the digits.
 //
 // Source: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
 // structures, Fall Workshop on Computational Geometry, 2016.
@@ -1647,10 +1631,10 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
     const auto [known, isNew] = angles.try_emplace({first.face, second.face}, angle);
     if (!isNew && std::abs(known->second - angle) > kFlatEdge * kDegree) {
       throw inputErrorAt(
-          {file}, fmt::format("edges_foldAngle has the angles {:g} and {:g} for two "
-                              "edges of the faces {} and {}, which turn about one "
-                              "line; correct one of the two",
-                              known->second / kDegree, angle / kDegree, first.face, second.face));
+          {file},
+          fmt::format("two edges of the tiles {} and {} fold by {:g} and {:g} degrees, but "
+                      "two tiles have one angle. Correct the angle or the letter of one edge",
+                      first.face, second.face, known->second / kDegree, angle / kDegree));
     }
     // Faces with the same orientation traverse their common edge in opposite directions.
     const bool isAlike =

@@ -22,10 +22,9 @@ namespace kirireel::formats {
 std::optional<std::filesystem::path> deployedSibling(const std::filesystem::path& contracted);
 
 /// Reads a sheet from its state at the start and optionally at the target. Faces are tiles.
-/// Vertex numbers that faces share are joints. If no faces share any, corners that coincide in
-/// all given states are joints. Comments "# joint A a B b FACE" and "# pull TILE", written by
-/// writeObjPair, replace these rules. Statements about appearance (vt, vn, g, o, s, usemtl,
-/// mtllib) are ignored.
+/// Vertex numbers that faces share are joints, see meshNumbers(). Comments "# joint A a B b FACE"
+/// and "# pull TILE", written by writeObjPair, replace this rule. Groups and materials name tiles.
+/// Other statements about appearance (vt, vn, s, mtllib) are ignored.
 ///
 /// Throws InputError with file and line for invalid numbers, faces and tiles, and for states with
 /// different faces. Adds warnings for harmless faults, and for the number of ignored statements
@@ -43,9 +42,8 @@ void writeObjPair(const model::Model& model, const std::filesystem::path& file);
 // PLY meshes of sheets in one state.
 
 /// Reads a sheet from a PLY file (Turk 1994), ASCII or binary with either byte order. Faces are
-/// tiles. Vertex numbers that faces share are joints, so faces with a common edge are hinged.
-/// If no faces share any, coinciding corners are joints. Other elements and properties are
-/// ignored.
+/// tiles. Vertex numbers that faces share are joints, see meshNumbers(), so faces with a common edge
+/// are hinged. Other elements and properties are ignored.
 ///
 /// Throws InputError for invalid headers and numbers, files that end early,
 /// and tiles that cannot be bricks. Coordinates are in the file's unit.

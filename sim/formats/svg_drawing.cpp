@@ -612,7 +612,10 @@ class SvgReader {
       ++drawing_.ignored["clip-path, which is not applied"];
       return;
     }
-    if (++uses_ > 200'000) throw inputErrorAt(place_, "there are more than 200000 clip paths");
+    if (++uses_ > 200'000) {
+      throw inputErrorAt(place_,
+                         "there are more than 200000 clip paths. Release some in the editor");
+    }
     const auto taken = [&] {
       std::vector<DrawnPath> paths(
           std::make_move_iterator(drawing_.paths.begin() + static_cast<std::ptrdiff_t>(first)),

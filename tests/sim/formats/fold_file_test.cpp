@@ -815,7 +815,9 @@ TEST(FoldFile, TargetsGiveLettersTheirAngles) {
   EXPECT_DOUBLE_EQ(model.foldAngles.at({0, 1}), -90 * kDegree);
   const json again = json::parse(formats::foldText(model));
   EXPECT_EQ(again["edges_assignment"], file["edges_assignment"]);
-  EXPECT_DOUBLE_EQ(again["edges_foldAngle"][1].get<double>(), -90);
+  // The file has no angles, and its target gives them again.
+  EXPECT_FALSE(again.contains("edges_foldAngle"));
+  EXPECT_EQ(readText(again.dump()).model.foldAngles, model.foldAngles);
   // An option that chooses an angle writes it.
   file.erase("file_frames");
   formats::ReadSettings half;

@@ -226,8 +226,8 @@ TEST(FormatErrors, FoldsByTwoAnglesAboutOneLine) {
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),
               (folder.path() / "a.fold").string() +
-                  ": error: edges_foldAngle has the angles 90 and 45 for two edges of the faces 0 "
-                  "and 1, which turn about one line; correct one of the two");
+                  ": error: two edges of the tiles 0 and 1 fold by 90 and 45 degrees, but two "
+                  "tiles have one angle. Correct the angle or the letter of one edge");
   }
 }
 
