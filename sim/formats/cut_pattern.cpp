@@ -42,6 +42,12 @@ double lengthOf(const DrawnPath& path) {
   return path.isClosed ? length + (path.points.front() - path.points.back()).norm() : length;
 }
 
+void appendRing(const std::vector<Vector2>& ring, std::vector<PlaneSegment>& segments) {
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
+  }
+}
+
 void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) {
   for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
     segments.emplace_back(path.points[k], path.points[k + 1]);
@@ -584,6 +590,7 @@ class CutPatternReader {
                      double tolerance) const {
     std::vector<const DrawnPath*> open;
     const auto rings = closedRings(paths, tolerance, open);
+    requireApart(rings, open);
     const auto readAs = [&](CutLines cuts) {
       for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
       const auto sheet = [&] {
@@ -613,9 +620,62 @@ class CutPatternReader {
     takeReliefs(paths, rings, slits);
     slits.lines = segmentsOf(paths);
     takeTips(rings, tolerance, slits);
-    if (open.empty()) return readAs(std::move(slits));
+    // Openings may overlap each other, and the outline.
+    const auto asMaterial = [&]() -> std::optional<CutSheet> {
+      if (!crossingOf(rings)) return std::nullopt;
+      const auto material = materialRings(rings);
+      CutLines cuts;
+      cuts.lines = segmentsOf(open);
+      for (const auto& ring : material) appendRing(ring, cuts.lines);
+      takeTips(material, tolerance, cuts);
+      return readAs(std::move(cuts));
+    };
+    const auto asLines = [&] { return readAs(std::move(slits)); };
+    if (open.empty()) return readBest(asLines, asMaterial);
     // Closed outlines next to open lines are slots, reliefs, holes or marks.
-    return readBest([&] { return readAs(std::move(slits)); }, asSlots);
+    return readBest([&] { return readBest(asLines, asSlots); }, asMaterial);
+  }
+
+  /// A place where two closed lines cross; absent if there is none.
+  std::optional<Vector2> crossingOf(const std::vector<std::vector<Vector2>>& rings) const {
+    std::vector<PlaneSegment> sides;
+    std::vector<std::size_t> ringOf;
+    for (std::size_t k = 0; k < rings.size(); ++k) {
+      appendRing(rings[k], sides);
+      ringOf.resize(sides.size(), k);
+    }
+    std::optional<Vector2> place;
+    visitNearSegments(sides, tolerance_, [&](int i, int j) {
+      if (place || ringOf[i] == ringOf[j] || touchesEnd(sides[i], sides[j])) return;
+      if (!meet(sides[i], sides[j])) return;
+      const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
+      place = sides[i].first + crossOf(sides[j].first - sides[i].first, v) / crossOf(u, v) * u;
+    });
+    return place;
+  }
+
+  /// Refuses outlines of sheets, with cuts inside, that cross each other.
+  void requireApart(const std::vector<std::vector<Vector2>>& rings,
+                    const std::vector<const DrawnPath*>& open) const {
+    constexpr int kCuts = 2;  // a slot or a hole may hold a mark
+    std::vector<std::vector<Vector2>> sheets;
+    for (const std::vector<Vector2>& ring : rings) {
+      const auto holds = [&](const std::vector<Vector2>& points) {
+        return std::ranges::all_of(points,
+                                   [&](const Vector2& point) { return isWithinRing(ring, point); });
+      };
+      const auto cuts =
+          std::ranges::count_if(rings, holds) +
+          std::ranges::count_if(open, [&](const DrawnPath* path) { return holds(path->points); });
+      if (cuts >= kCuts) sheets.push_back(ring);
+    }
+    const std::optional<Vector2> place = crossingOf(sheets);
+    if (!place) return;
+    throw DrawingFault(
+        inputErrorAt({file_}, fmt::format("outlines of two sheets cross at {}. Draw the sheets "
+                                          "next to each other",
+                                          drawing_.place(*place))),
+        drawing_.paths, {*place});
   }
 
   template <typename Read>
@@ -692,9 +752,7 @@ class CutPatternReader {
           ring, [&](const Vector2& point) { return uses[*numbers.find(point)] > 1; });
       if (isShared) continue;
       std::vector<PlaneSegment> sides;
-      for (std::size_t k = 0; k < ring.size(); ++k) {
-        sides.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
-      }
+      appendRing(ring, sides);
       visitNearSegments(sides, tolerance_, [&](int i, int j) {
         const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
         const double area = crossOf(u, v);
@@ -817,9 +875,7 @@ class CutPatternReader {
       const auto count = std::erase_if(
           paths, [&](const DrawnPath* path) { return path->isClosed && path->points == ring; });
       if (count == 0) continue;
-      for (std::size_t k = 0; k < ring.size(); ++k) {
-        cuts.border.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
-      }
+      appendRing(ring, cuts.border);
       ++cuts.leftOut["relief at the end of a slit"];
     }
   }

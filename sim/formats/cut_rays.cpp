@@ -212,6 +212,19 @@ std::vector<CutRay> traceCutRays(const Arrangement& lines, double curveError, do
   return RayTracer(lines, curveError, tolerance).run();
 }
 
+std::vector<double> crossingsOf(const std::vector<PlaneSegment>& border, const Vector2& from,
+                                const Vector2& along) {
+  std::vector<double> distances;
+  for (const auto& [a, b] : border) {
+    const Vector2 line = b - a;
+    const double area = crossOf(along, line);
+    if (area == 0) continue;
+    const double share = crossOf(a - from, along) / area;
+    if (share >= 0 && share <= 1) distances.push_back(crossOf(a - from, line) / area);
+  }
+  return distances;
+}
+
 void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& border, double kerf,
                   double tolerance) {
   for (CutRay& ray : rays) {
@@ -222,13 +235,8 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
       continue;
     }
     double first = kNever, last = 0, end = 0;
-    for (const auto& [a, b] : border) {
-      const Vector2 line = b - a;
-      const double area = crossOf(ray.along, line);
-      if (area == 0) continue;
-      const double ahead = crossOf(a - ray.from, line) / area;
-      const double share = crossOf(a - ray.from, ray.along) / area;
-      if (share < 0 || share > 1 || ahead < -tolerance || ahead > ray.stop - tolerance) continue;
+    for (const double ahead : crossingsOf(border, ray.from, ray.along)) {
+      if (ahead < -tolerance || ahead > ray.stop - tolerance) continue;
       first = std::min(first, std::max(ahead, 0.0));
       end = std::max(end, ahead);
       // For a relieved slit, the far side of its own relief.
@@ -243,18 +251,11 @@ void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& bo
 }
 
 double neckMaterial(const CutRay& ray, const std::vector<PlaneSegment>& border, double tolerance) {
-  const Vector2 path = ray.stopPlace - ray.from;
-  if (isWithin(border, ray.stopPlace - tolerance * path.normalized())) {
-    return ray.width();
-  }
+  const Vector2 along = (ray.stopPlace - ray.from).normalized();
+  if (isWithin(border, ray.stopPlace - tolerance * along)) return ray.width();
   double end = ray.tip;
-  for (const auto& [a, b] : border) {
-    const Vector2 line = b - a;
-    const double area = crossOf(path, line);
-    if (area == 0) continue;
-    const double ahead = crossOf(a - ray.from, line) / area;
-    const double share = crossOf(a - ray.from, path) / area;
-    if (share >= 0 && share <= 1 && ahead <= 1) end = std::max(end, ahead * ray.stop);
+  for (const double ahead : crossingsOf(border, ray.from, along)) {
+    if (ahead <= ray.stop) end = std::max(end, ahead);
   }
   return end - ray.tip;
 }

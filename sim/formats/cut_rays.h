@@ -40,6 +40,10 @@ std::vector<CutRay> traceCutRays(const Arrangement& lines, double curveError, do
 /// Finds the first line of a ray. Returns the node that it aims at there, or -1.
 int findHit(CutRay& ray, const Arrangement& lines, double tolerance);
 
+/// Distances along a line at which it crosses a border; < 0 behind its start.
+std::vector<double> crossingsOf(const std::vector<PlaneSegment>& border, const Vector2& from,
+                                const Vector2& along);
+
 /// Finds the tips of the rays: the last border of removed material that they cross, or of the
 /// slots, which have a width `kerf` > 0, the first one. Without a border tips are 0.
 void findNeckTips(std::vector<CutRay>& rays, const std::vector<PlaneSegment>& border, double kerf,

@@ -1,6 +1,7 @@
 // Finds the tiles and joints of a sheet.
 //
-// 1. *Rays*: each open end of a cut is extended straight (cut_rays.cpp).
+// 1. *Rays*: each open end of a cut is extended straight (cut_rays.cpp). Centre lines of slots that
+//    meet are first extended to their junctions, so necks aim at these.
 // 2. *Necks* are the rays up to a maximum width. Tips of openings have rays too
 //    (opening_tips.cpp).
 // 3. *Tiles* are the faces between lines and necks. A face without a neck is not a tile: it falls
@@ -59,22 +60,19 @@ class SheetMaker {
         settings_(settings),
         tolerance_(tolerance),
         file_(file),
+        lines_(cuts.lines),
         leftOut_(cuts.leftOut) {}
 
   CutSheet make() {
-    const Arrangement lines(cuts_.lines, tolerance_);
-    // Pieces of a curve that an editor straightened deviate by less than half a slot.
-    const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
-    rays_ = traceCutRays(lines, curveError, tolerance_);
-    findNeckTips(rays_, cuts_.border, cuts_.kerf, tolerance_);
-    noteOverlaps(lines);
-    const double scale = tileScale(extended(cuts_.lines, rays_, tolerance_));
-    dropBeyondBorder(lines, scale);
+    Arrangement lines = traceRays();
+    if (joinSlots()) lines = traceRays();
+    scale_ = tileScale(extended(lines_, rays_, tolerance_));
+    dropBeyondBorder(lines);
     requireClosed(lines);
-    takeNecks(scale);
+    takeNecks();
     takeTips();
     Arrangement whole = arranged();
-    requireInside(lines, whole, scale);
+    requireInside(lines, whole);
     whole.dropBridges();
     findFaces(whole);
     addJoints(whole);
@@ -146,10 +144,10 @@ class SheetMaker {
   }
 
   /// Refuses a cut that crosses a line and ends a little beyond it: no neck remains there.
-  void requireNoCrossing(const Arrangement& lines, const CutRay& ray, double scale) const {
+  void requireNoCrossing(const Arrangement& lines, const CutRay& ray) const {
     const Stub stub = stubOf(lines, ray.node);
     const std::vector<int>& leaving = lines.leaving(stub.node);
-    if (leaving.size() < 4 || stub.length > kStub * scale || stub.length < 2 * cuts_.kerf) return;
+    if (leaving.size() < 4 || stub.length > kStub * scale_ || stub.length < 2 * cuts_.kerf) return;
     const Vector2 crossing = lines.at(stub.node);
     const Vector2 along = (lines.at(stub.before) - crossing).normalized();
     const bool crosses = std::ranges::any_of(leaving, [&](int half) {
@@ -163,7 +161,7 @@ class SheetMaker {
   }
 
   /// Removes short pieces of cuts beyond the border of their sheet.
-  void dropBeyondBorder(const Arrangement& lines, double scale) {
+  void dropBeyondBorder(const Arrangement& lines) {
     const std::vector<int> parts = lines.parts();
     std::vector<std::vector<Vector2>> rings;
     std::vector<int> ringParts;
@@ -174,7 +172,7 @@ class SheetMaker {
     }
     const auto isBeyond = [&](const CutRay& ray) {
       const auto [node, before, length] = stubOf(lines, ray.node);
-      if (lines.leaving(node).size() < 3 || length > kStub * scale) return false;
+      if (lines.leaving(node).size() < 3 || length > kStub * scale_) return false;
       bool isOfSheet = false;
       for (std::size_t k = 0; k < rings.size(); ++k) {
         isOfSheet |= ringParts[k] == parts[ray.node];
@@ -229,7 +227,7 @@ class SheetMaker {
 
   /// The extension of an open outline's end has the outside of the sheet on one side.
   void requireNoGap() const {
-    const Arrangement whole = extended(cuts_.lines, rays_, tolerance_);
+    const Arrangement whole = extended(lines_, rays_, tolerance_);
     // The outline leaves a wider gap than the cuts, whose ends may also have the outside next to
     // them.
     const CutRay* widest = nullptr;
@@ -253,41 +251,76 @@ class SheetMaker {
                                drawing_.place(end), drawing_.length(gap), remedy));
   }
 
-  /// Reports slots that stop short of another slot, but overlap it by their rounded ends. Slots
-  /// that were drawn up to another one begin at its side.
-  void noteOverlaps(const Arrangement& lines) {
-    constexpr double kOblique = 0.25;  // cosine; centre lines of oblique slots begin further away
-    std::vector<Vector2> places;
-    for (const CutRay& ray : rays_) {
-      if (!ray.isJoined || ray.stop == kNever) continue;
-      bool isNear = false, isShort = true;
-      for (const auto& [first, last] : lines.edges()) {
-        const PlaneSegment edge(lines.at(first), lines.at(last));
-        const bool isOwn = first == ray.node || last == ray.node;
-        if (isOwn || distanceTo(edge, ray.stopPlace) > 0.5 * cuts_.kerf) continue;
-        const Vector2 line = (edge.second - edge.first).normalized();
-        const double off = std::abs(crossOf(line, ray.from - edge.first));
-        isNear = true;
-        isShort &= std::abs(line.dot(ray.along)) < kOblique;
-        isShort &= off > 0.5 * cuts_.kerf + 3 * tolerance_;
-      }
-      if (isNear && isShort) places.push_back(ray.from);
-    }
-    if (places.empty()) return;
-    leftOut_[fmt::format("neck without material, as slots overlap (one at {})",
-                         drawing_.place(places.front()))] += static_cast<int>(places.size());
+  /// The lines, with the rays of their ends.
+  Arrangement traceRays() {
+    Arrangement lines(lines_, tolerance_);
+    // Pieces of a curve that an editor straightened deviate by less than half a slot.
+    const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
+    rays_ = traceCutRays(lines, curveError, tolerance_);
+    findNeckTips(rays_, cuts_.border, cuts_.kerf, tolerance_);
+    return lines;
   }
 
-  void takeNecks(double scale) {
+  /// Extends centre lines of slots to the junctions at which their slots meet. Returns whether
+  /// there are any.
+  bool joinSlots() {
+    std::vector<Vector2> overlaps;
+    bool isAny = false;
+    for (const CutRay& ray : rays_) {
+      if (!ray.isJoined || ray.stop == kNever) continue;
+      isAny = true;
+      noteBend(ray);
+      if (!isOpenToStop(ray)) overlaps.push_back(ray.from);
+      for (auto& [first, last] : lines_) {
+        for (Vector2* end : {&first, &last}) {
+          if ((*end - ray.from).norm() <= tolerance_) *end = ray.stopPlace;
+        }
+      }
+    }
+    if (!overlaps.empty()) {
+      leftOut_[fmt::format("neck without material, as slots overlap (one at {})",
+                           drawing_.place(overlaps.front()))] += static_cast<int>(overlaps.size());
+    }
+    return isAny;
+  }
+
+  /// Whether a slot has its width up to its junction. One that stopped short of another slot, and
+  /// overlaps it by its rounded end, leaves material next to the end.
+  bool isOpenToStop(const CutRay& ray) const {
+    constexpr double kWidth = 0.95;  // of the slot; its sides are rounded
+    constexpr int kSamples = 16;
+    const Vector2 back = ray.from - 0.25 * cuts_.kerf * ray.along;
+    // A slot may have a flat end at the junction.
+    const Vector2 path = std::max(1 - tolerance_ / ray.stop, 0.0) * (ray.stopPlace - ray.from);
+    const Vector2 across(-ray.along.y(), ray.along.x());
+    double left = cuts_.kerf, right = -cuts_.kerf;
+    for (const double side : crossingsOf(cuts_.border, back, across)) {
+      (side > 0 ? left : right) = side > 0 ? std::min(left, side) : std::max(right, side);
+    }
+    for (const double side : {kWidth * left, kWidth * right}) {
+      for (int k = 0; k <= kSamples; ++k) {
+        const double share = static_cast<double>(k) / kSamples;
+        if (isWithin(cuts_.border, ray.from + share * path + side * across)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Takes part in the deviation of cuts from their aim.
+  void noteBend(const CutRay& ray) {
+    const Vector2 path = ray.stopPlace - ray.from;
+    moved_ = std::max(moved_, std::abs(crossOf(ray.along, path)));
+  }
+
+  void takeNecks() {
     const double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
-                                                  : widestNeck(rays_, scale);
+                                                  : widestNeck(rays_, scale_);
     for (int k = 0; k < std::ssize(rays_); ++k) {
       const CutRay& ray = rays_[k];
       if (ray.stop == kNever) continue;
       if (!ray.isJoined && ray.width() > widest) continue;
       isExtended_.insert(k);
-      const double aim = (ray.stopPlace - ray.from).dot(ray.along);
-      moved_ = std::max(moved_, (ray.stopPlace - ray.from - aim * ray.along).norm());
+      noteBend(ray);
       if (!ray.isJoined && ray.stop > tolerance_) addNeck(k);
     }
   }
@@ -385,7 +418,7 @@ class SheetMaker {
   }
 
   Arrangement arranged() const {
-    std::vector<PlaneSegment> all = cuts_.lines;
+    std::vector<PlaneSegment> all = lines_;
     std::map<int, Vector2> jointOf;
     for (const CutNeck& neck : necks_) jointOf[neck.ray] = neck.joint;
     for (const int k : isExtended_) {
@@ -402,7 +435,7 @@ class SheetMaker {
   }
 
   /// An end outside all faces belongs to an open outline. Other ends lie within a tile.
-  void requireInside(const Arrangement& lines, const Arrangement& whole, double scale) {
+  void requireInside(const Arrangement& lines, const Arrangement& whole) {
     const std::vector<int> parts = whole.parts();
     std::set<int> closed;
     for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
@@ -418,7 +451,7 @@ class SheetMaker {
         throw openOutline(rays_[k].from, rays_[k].stop,
                           ", or give `widest_neck` if a neck is there");
       }
-      requireNoCrossing(lines, rays_[k], scale);
+      requireNoCrossing(lines, rays_[k]);
       ++leftOut_["cut that ends within a tile"];
     }
   }
@@ -480,8 +513,17 @@ class SheetMaker {
         continue;
       }
       if (!others.empty()) {
-        const Vector2 strip = inner(whole, faces_[left]);
         const Vector2 first = whole.at(others.front().node), second = whole.at(node);
+        if (isDashed(ray, first, second)) {
+          FaceJoint& joint = joints_[others.front().joint];
+          joint.width += ray.width();
+          joint.material += materialOf(ray);
+          if (ray.isFacing) continue;
+          joint.half = *half;  // the end of the dashes is the vertex of the design
+          others.front().node = node;
+          continue;
+        }
+        const Vector2 strip = inner(whole, faces_[left]);
         throw faultAt(
             {strip, first, second},
             fmt::format("the strip of material at {} has necks to its neighbour at {} and {}. It "
@@ -492,6 +534,14 @@ class SheetMaker {
       hasNeck_[left] = hasNeck_[right] = true;
       joints_.push_back({*half, left, right, ray.width(), materialOf(ray)});
     }
+  }
+
+  /// Whether a neck and another one between the same tiles are parts of one hinge that is cut in
+  /// dashes: near each other, on a straight line.
+  bool isDashed(const CutRay& ray, const Vector2& other, const Vector2& place) const {
+    const Vector2 apart = place - other;
+    return apart.norm() <= kStub * scale_ &&
+           std::abs(crossOf(ray.along, apart)) <= ray.slack(apart.norm(), tolerance_);
   }
 
   double materialOf(const CutRay& ray) const {
@@ -722,6 +772,8 @@ class SheetMaker {
   const ReadSettings& settings_;
   double tolerance_;
   const fs::path& file_;
+  std::vector<PlaneSegment> lines_;  // those of cuts_, with joined slots
+  double scale_ = 0;                 // size of a tile, metres
   std::map<std::string, int> leftOut_;
   std::vector<CutRay> rays_;
   std::set<int> isExtended_;

@@ -12,6 +12,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "sim/formats/geos_plane.h"
+
 namespace kirireel::formats {
 namespace {
 
@@ -37,12 +39,15 @@ TipRing withoutStraight(const TipRing& ring, double tolerance) {
   return kept;
 }
 
-/// Whether a ring is a slot: much longer than wide.
+/// Whether a ring is a slot: a strip along half of its perimeter that is much longer than wide. A
+/// star has a long perimeter too, but a wide middle.
 bool isSlender(const TipRing& ring) {
-  constexpr double kSlender = 0.05;  // of 4 area / perimeter^2; 0.25 for a square
+  constexpr double kSlender = 0.05;  // width / length
   double perimeter = (ring.front() - ring.back()).norm();
   for (std::size_t k = 1; k < ring.size(); ++k) perimeter += (ring[k] - ring[k - 1]).norm();
-  return ringArea(ring) < 0 && -4 * ringArea(ring) < kSlender * perimeter * perimeter;
+  const double halfWidth = 0.25 * kSlender * perimeter;
+  GeosPlane plane;
+  return ringArea(ring) < 0 && !(plane.area(plane.grown(plane.polygon(ring), -halfWidth)) > 0);
 }
 
 /// The angle by which the direction turns clockwise, around the opening, (-pi, pi].
@@ -125,6 +130,78 @@ class RingTips {
   const TipRing& ring_;
 };
 
+/// The tips of smooth openings, such as ellipses: the points of a chain that are farthest from its
+/// middle. A chain is a whole ring, or lies between two corners of the material, such as a half
+/// ellipse at the border of a sheet.
+class SmoothTips {
+ public:
+  explicit SmoothTips(const TipRing& ring) : ring_(ring) {}
+
+  std::vector<OpeningTip> find() {
+    std::vector<std::size_t> breaks;
+    for (std::size_t k = 0; k < ring_.size(); ++k) {
+      if (std::abs(turnAt(k)) >= kLeastTurn) breaks.push_back(k);
+    }
+    if (breaks.empty() && ringArea(ring_) < 0) addTips(0, ring_.size(), middleOf(ring_));
+    for (std::size_t k = 0; k < breaks.size(); ++k) {
+      const std::size_t first = breaks[k];
+      const std::size_t last = k + 1 < breaks.size() ? breaks[k + 1] : breaks[0] + ring_.size();
+      if (turnAt(first) > 0 || turnAt(last) > 0) continue;
+      double turn = 0;
+      for (std::size_t j = first + 1; j < last; ++j) turn += turnAt(j);
+      if (turn > std::numbers::pi / 2) addTips(first, last, 0.5 * (at(first) + at(last)));
+    }
+    return std::move(tips_);
+  }
+
+ private:
+  const Vector2& at(std::size_t k) const { return ring_[k % ring_.size()]; }
+  double turnAt(std::size_t k) const {
+    const Vector2& before = at(k + ring_.size() - 1);
+    return turnOf(at(k) - before, at(k + 1) - at(k));
+  }
+
+  static Vector2 middleOf(const TipRing& ring) {
+    Vector2 sum(0, 0);
+    double whole = 0;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Vector2 a = ring[k] - ring[0], b = ring[(k + 1) % ring.size()] - ring[0];
+      sum += crossOf(a, b) / 3 * (a + b);
+      whole += crossOf(a, b);
+    }
+    return ring[0] + sum / whole;
+  }
+
+  void addTips(std::size_t first, std::size_t last, const Vector2& middle) {
+    constexpr double kFarther = 1.1;  // than the points on both sides; circles have no tips
+    const auto distanceAt = [&](std::size_t k) { return (at(k) - middle).norm(); };
+    // A ring starts at its nearest point.
+    if (last - first == ring_.size()) {
+      for (std::size_t k = first; k < ring_.size(); ++k) {
+        if (distanceAt(k) < distanceAt(first)) first = k;
+      }
+      last = first + ring_.size();
+    }
+    double nearest = distanceAt(first);
+    std::size_t farthest = first;
+    for (std::size_t k = first + 1; k <= last; ++k) {
+      const double distance = distanceAt(k);
+      if (distance > std::max(distanceAt(farthest), kFarther * nearest)) farthest = k;
+      if (farthest == first || distanceAt(farthest) < kFarther * distance) {
+        nearest = std::min(nearest, distance);
+        continue;
+      }
+      const Vector2 from = at(farthest);
+      tips_.push_back({from, (from - middle).normalized(), distanceAt(farthest), false, {}});
+      first = farthest = k;
+      nearest = distance;
+    }
+  }
+
+  const TipRing& ring_;
+  std::vector<OpeningTip> tips_;
+};
+
 /// Drops the rays of sharp tips at which other rays stop: their necks are there. Shorter rays count
 /// first, after those of tips that are not sharp.
 void dropAims(const std::vector<OpeningTip>& tips, double tolerance, std::vector<CutRay>& rays) {
@@ -159,12 +236,17 @@ std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector
   };
   while (!rings.empty() && isFramed()) rings.erase(rings.begin());
   for (TipRing& ring : rings) {
-    // A ring may touch others at its corners.
-    const Vector2 middle = 0.5 * (ring[0] + ring[1]);
-    const auto around = std::ranges::count_if(rings, [&](const TipRing& other) {
-      return &other != &ring && isWithinRing(other, middle);
-    });
-    if ((ringArea(ring) > 0) != (around % 2 == 0)) std::ranges::reverse(ring);
+    // A ring may touch others at its corners, or cross them.
+    std::ptrdiff_t odd = 0;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Vector2 middle = 0.5 * (ring[k] + ring[(k + 1) % ring.size()]);
+      odd += std::ranges::count_if(rings,
+                                   [&](const TipRing& other) {
+                                     return &other != &ring && isWithinRing(other, middle);
+                                   }) %
+             2;
+    }
+    if ((ringArea(ring) > 0) != (2 * odd < std::ssize(ring))) std::ranges::reverse(ring);
   }
   return rings;
 }
@@ -175,7 +257,8 @@ std::vector<OpeningTip> openingTips(const std::vector<TipRing>& rings, double to
     if (isSlender(ring)) continue;
     const TipRing corners = withoutStraight(ring, tolerance);
     if (corners.size() < 3) continue;
-    const std::vector<OpeningTip> found = RingTips(corners).find();
+    std::vector<OpeningTip> found = RingTips(corners).find();
+    if (found.empty()) found = SmoothTips(corners).find();
     tips.insert(tips.end(), found.begin(), found.end());
   }
   return tips;

@@ -23,7 +23,8 @@ struct OpeningTip {
 std::vector<std::vector<Vector2>> orientedRings(std::vector<std::vector<Vector2>> rings,
                                                 const std::vector<Vector2>& within);
 
-/// The tips of openings with an angle of at most 150 degrees, except of slots. Rings have material on their left.
+/// The tips of openings with an angle of at most 150 degrees, except of slots. Rings have material
+/// on their left.
 std::vector<OpeningTip> openingTips(const std::vector<std::vector<Vector2>>& rings,
                                     double tolerance);
 

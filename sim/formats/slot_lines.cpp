@@ -22,140 +22,19 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
-#include <geos_c.h>
 
-#include "sim/base/error.h"
+#include "sim/formats/geos_plane.h"
 
 namespace kirireel::formats {
 namespace {
 
-using SlotRing = std::vector<Vector2>;
-
-/// Number of anticlockwise turns of a ring around a point.
-int windingNumber(const SlotRing& ring, const Vector2& point) {
-  int turns = 0;
-  for (std::size_t k = 0; k < ring.size(); ++k) {
-    const Vector2 a = ring[k] - point, b = ring[(k + 1) % ring.size()] - point;
-    if ((a.y() <= 0) == (b.y() <= 0)) continue;
-    const double side = crossOf(a, b);
-    if (a.y() <= 0 && side > 0) ++turns;
-    if (b.y() <= 0 && side < 0) --turns;
-  }
-  return turns;
-}
-
-/// A GEOS context with the objects that it made.
-class GeosPlane {
- public:
-  GeosPlane() : handle_(GEOS_init_r()) {}
-  ~GeosPlane() {
-    for (GEOSGeometry* one : made_) GEOSGeom_destroy_r(handle_, one);
-    GEOS_finish_r(handle_);
-  }
-  GeosPlane(const GeosPlane&) = delete;
-  GeosPlane& operator=(const GeosPlane&) = delete;
-
-  GEOSGeometry* polygon(const SlotRing& ring) {
-    GEOSCoordSequence* points =
-        GEOSCoordSeq_create_r(handle_, static_cast<unsigned>(ring.size()) + 1, 2);
-    for (std::size_t k = 0; k <= ring.size(); ++k) {
-      const Vector2& p = ring[k % ring.size()];
-      GEOSCoordSeq_setXY_r(handle_, points, static_cast<unsigned>(k), p.x(), p.y());
-    }
-    GEOSGeometry* shell = GEOSGeom_createLinearRing_r(handle_, points);
-    GEOSGeometry* whole = shell ? GEOSGeom_createPolygon_r(handle_, shell, nullptr, 0) : nullptr;
-    if (!whole) throw InputError("error: an outline of the drawing is not a polygon");
-    keep(whole);
-    return GEOSisValid_r(handle_, whole) == 1 ? whole : wound(whole, ring);
-  }
-  GEOSGeometry* united(const std::vector<SlotRing>& rings) {
-    std::vector<GEOSGeometry*> parts;
-    for (const SlotRing& ring : rings) {
-      parts.push_back(GEOSGeom_clone_r(handle_, polygon(ring)));
-    }
-    GEOSGeometry* all = keep(GEOSGeom_createCollection_r(
-        handle_, GEOS_GEOMETRYCOLLECTION, parts.data(), static_cast<unsigned>(parts.size())));
-    return keep(GEOSUnaryUnion_r(handle_, all));
-  }
-  GEOSGeometry* difference(const GEOSGeometry* a, const GEOSGeometry* b) {
-    return keep(GEOSDifference_r(handle_, a, b));
-  }
-  double area(const GEOSGeometry* a) {
-    double area = 0;
-    GEOSArea_r(handle_, a, &area);
-    return area;
-  }
-  GEOSGeometry* sum(const GEOSGeometry* a, const GEOSGeometry* b) {
-    return keep(GEOSUnion_r(handle_, a, b));
-  }
-  GEOSGeometry* grown(const GEOSGeometry* a, double by) {
-    return keep(GEOSBufferWithStyle_r(handle_, a, by, 8, GEOSBUF_CAP_FLAT, GEOSBUF_JOIN_MITRE, 20));
-  }
-
-  /// The rings of all polygons, material on their left; holes in the second list if it is given.
-  std::vector<SlotRing> rings(const GEOSGeometry* all, std::vector<SlotRing>* holes = nullptr) {
-    std::vector<SlotRing> found;
-    for (int k = 0; k < GEOSGetNumGeometries_r(handle_, all); ++k) {
-      const GEOSGeometry* one = GEOSGetGeometryN_r(handle_, all, k);
-      if (GEOSGeomTypeId_r(handle_, one) != GEOS_POLYGON) continue;
-      found.push_back(ring(GEOSGetExteriorRing_r(handle_, one), true));
-      for (int h = 0; h < GEOSGetNumInteriorRings_r(handle_, one); ++h) {
-        (holes ? *holes : found).push_back(ring(GEOSGetInteriorRingN_r(handle_, one, h), false));
-      }
-    }
-    return found;
-  }
-
- private:
-  /// The whole area inside an outline that crosses or touches itself, for either orientation.
-  GEOSGeometry* wound(const GEOSGeometry* whole, const SlotRing& ring) {
-    const GEOSGeometry* line = keep(GEOSBoundary_r(handle_, whole));
-    const GEOSGeometry* noded = keep(GEOSUnaryUnion_r(handle_, line));
-    const GEOSGeometry* faces = keep(GEOSPolygonize_r(handle_, &noded, 1));
-    std::vector<GEOSGeometry*> parts;
-    for (int k = 0; k < GEOSGetNumGeometries_r(handle_, faces); ++k) {
-      const GEOSGeometry* face = GEOSGetGeometryN_r(handle_, faces, k);
-      const GEOSGeometry* point = keep(GEOSPointOnSurface_r(handle_, face));
-      Vector2 inside;
-      GEOSGeomGetX_r(handle_, point, &inside.x());
-      GEOSGeomGetY_r(handle_, point, &inside.y());
-      if (windingNumber(ring, inside) != 0) parts.push_back(GEOSGeom_clone_r(handle_, face));
-    }
-    const GEOSGeometry* all = keep(GEOSGeom_createCollection_r(
-        handle_, GEOS_GEOMETRYCOLLECTION, parts.data(), static_cast<unsigned>(parts.size())));
-    return keep(GEOSUnaryUnion_r(handle_, all));
-  }
-
-  GEOSGeometry* keep(GEOSGeometry* one) {
-    if (!one) throw InputError("error: the outlines of the drawing have too many crossings");
-    made_.push_back(one);
-    return one;
-  }
-  SlotRing ring(const GEOSGeometry* line, bool isAnticlockwise) {
-    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
-    unsigned count = 0;
-    GEOSCoordSeq_getSize_r(handle_, points, &count);
-    SlotRing ring;
-    for (unsigned k = 0; k + 1 < count; ++k) {
-      double x = 0, y = 0;
-      GEOSCoordSeq_getXY_r(handle_, points, k, &x, &y);
-      ring.emplace_back(x, y);
-    }
-    if ((ringArea(ring) > 0) != isAnticlockwise) std::ranges::reverse(ring);
-    return ring;
-  }
-
-  GEOSContextHandle_t handle_;
-  std::vector<GEOSGeometry*> made_;
-};
-
-bool holds(const SlotRing& outer, const SlotRing& inner) {
+bool holds(const PlaneRing& outer, const PlaneRing& inner) {
   return std::ranges::all_of(inner, [&](const Vector2& p) { return isWithinRing(outer, p); });
 }
 
-std::vector<PlaneSegment> segmentsOf(const std::vector<SlotRing>& rings) {
+std::vector<PlaneSegment> segmentsOf(const std::vector<PlaneRing>& rings) {
   std::vector<PlaneSegment> segments;
-  for (const SlotRing& ring : rings) {
+  for (const PlaneRing& ring : rings) {
     for (std::size_t k = 0; k < ring.size(); ++k) {
       segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
     }
@@ -227,15 +106,43 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
+/// A ring without the parts that begin and end at the same place and are smaller than the square
+/// of a slot's width, which buffers leave.
+PlaneRing withoutSmallLoops(PlaneRing ring, double kerf, double tolerance) {
+  const auto lengthAt = [&](std::size_t k) {
+    return (ring[(k + ring.size() - 1) % ring.size()] - ring[k]).norm();
+  };
+  std::size_t longest = 0;
+  for (std::size_t k = 1; k < ring.size(); ++k) {
+    if (lengthAt(k) > lengthAt(longest)) longest = k;
+  }
+  std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(longest), ring.end());
+  PointNumbers numbers(tolerance, ring.front());
+  PlaneRing kept;
+  std::vector<int> keptNumbers;
+  for (const Vector2& point : ring) {
+    const int number = numbers.add(point);
+    const auto before = std::ranges::find(keptNumbers, number) - keptNumbers.begin();
+    const bool isLoop = before < std::ssize(kept);
+    if (isLoop && std::abs(ringArea({kept.begin() + before, kept.end()})) < kerf * kerf) {
+      kept.resize(before);
+      keptNumbers.resize(before);
+    }
+    kept.push_back(point);
+    keptNumbers.push_back(number);
+  }
+  return kept;
+}
+
 /// Outlines of the sheets without slots, and their holes that are wider than slots.
-std::vector<SlotRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* material,
-                                     const std::vector<FacingEdges>& pairs, double kerf,
-                                     double tolerance, std::vector<SlotRing>& holes) {
-  std::vector<SlotRing> outlines;
+std::vector<PlaneRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* material,
+                                      const std::vector<FacingEdges>& pairs, double kerf,
+                                      double tolerance, std::vector<PlaneRing>& holes) {
+  std::vector<PlaneRing> outlines;
   const auto isFilled = [&](const FacingEdges& pair) {
     if (pair.width > 1.1 * kerf) return true;  // wider than most slots
     const Vector2 middle = 0.5 * (pair.middle.first + pair.middle.second);
-    const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
+    const auto holdsIt = [&](const PlaneRing& ring) { return isWithinRing(ring, middle); };
     return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
   };
   constexpr double kCut = 0.1;  // of the square of a slot's width
@@ -251,6 +158,9 @@ std::vector<SlotRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* mater
     const double cut = plane.area(plane.difference(material, closed));
     if (cut > kCut * kerf * kerf) closed = plane.sum(closed, material);
     outlines = plane.rings(closed, &holes);
+    for (auto* rings : {&outlines, &holes}) {
+      for (PlaneRing& ring : *rings) ring = withoutSmallLoops(std::move(ring), kerf, tolerance);
+    }
     if (std::ranges::all_of(pairs, isFilled)) break;
   }
   return outlines;
@@ -271,18 +181,18 @@ Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, dou
 
 }  // namespace
 
-double extentOf(const SlotRing& ring) {
+double extentOf(const PlaneRing& ring) {
   Eigen::AlignedBox2d box;
   for (const Vector2& point : ring) box.extend(point);
   return box.diagonal().norm();
 }
 
-void dropFrames(std::vector<SlotRing>& rings, std::map<std::string, int>& leftOut) {
+void dropFrames(std::vector<PlaneRing>& rings, std::map<std::string, int>& leftOut) {
   std::ranges::stable_sort(rings, std::greater<>(),
-                           [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
+                           [](const PlaneRing& ring) { return std::abs(ringArea(ring)); });
   const auto holdsFrom = [&](std::size_t outer) {
     return std::all_of(rings.begin() + static_cast<std::ptrdiff_t>(outer) + 1, rings.end(),
-                       [&](const SlotRing& ring) { return holds(rings[outer], ring); });
+                       [&](const PlaneRing& ring) { return holds(rings[outer], ring); });
   };
   while (rings.size() > 2 && holdsFrom(0) && holdsFrom(1)) {
     rings.erase(rings.begin());
@@ -294,9 +204,9 @@ namespace {
 
 /// Finds narrow faces that open lines enclose together with other lines, such as the mouths of
 /// slots at the outline. `slits` receives the open lines that enclose none.
-void takeEnclosedSlots(const std::vector<SlotRing>& rings,
+void takeEnclosedSlots(const std::vector<PlaneRing>& rings,
                        const std::vector<const DrawnPath*>& open, double reach, double tolerance,
-                       std::vector<SlotRing>& removed, std::vector<PlaneSegment>& slits) {
+                       std::vector<PlaneRing>& removed, std::vector<PlaneSegment>& slits) {
   constexpr double kSlender = 0.1;  // of 4 area / perimeter^2; 0.25 for a square
   if (open.empty()) return;
   std::vector<PlaneSegment> segments = segmentsOf(rings);
@@ -310,11 +220,11 @@ void takeEnclosedSlots(const std::vector<SlotRing>& rings,
   }
   Arrangement faces(segments, tolerance);
   faces.dropBridges();
-  std::vector<SlotRing> narrow;
+  std::vector<PlaneRing> narrow;
   for (int c = 0; c < std::ssize(faces.cycles()); ++c) {
     const double area = faces.areaOf(c);
     if (!(area > 0)) continue;
-    SlotRing ring;
+    PlaneRing ring;
     double perimeter = 0;
     for (const int half : faces.cycles()[c]) {
       ring.push_back(faces.at(faces.from(half)));
@@ -349,11 +259,102 @@ void takeEnclosedSlots(const std::vector<SlotRing>& rings,
   removed.insert(removed.end(), narrow.begin(), narrow.end());
 }
 
+/// The rings of sheets, and those of what is removed from them.
+struct SheetRings {
+  std::vector<PlaneRing> sheets, removed;
+};
+
+/// A ring is removed if at least `share` of its points are in a sheet.
+SheetRings sheetRings(const std::vector<PlaneRing>& rings, double share,
+                      std::map<std::string, int>& leftOut) {
+  std::vector<PlaneRing> all = rings;
+  dropFrames(all, leftOut);
+  SheetRings sorted;
+  for (const PlaneRing& ring : all) {
+    const bool isIn = std::ranges::any_of(sorted.sheets, [&](const PlaneRing& sheet) {
+      const auto inside = std::ranges::count_if(
+          ring, [&](const Vector2& point) { return isWithinRing(sheet, point); });
+      return static_cast<double>(inside) >= share * static_cast<double>(ring.size());
+    });
+    (isIn ? sorted.removed : sorted.sheets).push_back(ring);
+  }
+  return sorted;
+}
+
+const GEOSGeometry* materialOf(GeosPlane& plane, const SheetRings& rings) {
+  const GEOSGeometry* material = plane.united(rings.sheets);
+  return rings.removed.empty() ? material : plane.difference(material, plane.united(rings.removed));
+}
+
+/// Centre lines of slots as edges between places.
+struct CentreLines {
+  std::vector<Vector2> places;
+  std::vector<std::pair<int, int>> edges;
+  std::vector<double> slotLengths;  // of the connected lines, by place
+  std::vector<int> ends;            // places of one line
+};
+
+CentreLines centreLines(const std::vector<FacingEdges>& pairs, double kerf) {
+  CentreLines centre;
+  if (pairs.empty()) return centre;
+  PointNumbers numbers(0.25 * kerf, pairs.front().middle.first);
+  std::vector<std::vector<PlaneSegment>> linesAt;
+  for (const FacingEdges& pair : pairs) {
+    const int first = numbers.add(pair.middle.first), last = numbers.add(pair.middle.second);
+    linesAt.resize(numbers.count());
+    if (first == last) continue;
+    linesAt[first].push_back(pair.middle);
+    linesAt[last].push_back(pair.middle);
+    centre.edges.emplace_back(first, last);
+  }
+  centre.places = numbers.points();
+  for (int k = 0; k < numbers.count(); ++k) {
+    centre.places[k] = bendOf(linesAt[k], centre.places[k], kerf);
+    if (linesAt[k].size() == 1) centre.ends.push_back(k);
+  }
+  const std::vector<int> partOf = Arrangement(centre.places, centre.edges).parts();
+  std::vector<double> lengths(centre.places.size(), 0);  // by part
+  for (const auto& [first, last] : centre.edges) {
+    lengths[partOf[first]] += (centre.places[last] - centre.places[first]).norm();
+  }
+  for (const int part : partOf) centre.slotLengths.push_back(lengths[part]);
+  // A slot is longer than wide. Others are notches and holes.
+  constexpr double kSlender = 1.1;  // length / width
+  std::erase_if(centre.edges, [&](const std::pair<int, int>& edge) {
+    return centre.slotLengths[edge.first] < kSlender * kerf;
+  });
+  return centre;
+}
+
+/// Adds holes that are wider than slots, but those within a tile and reliefs.
+void takeHoles(const std::vector<PlaneRing>& holes, const CentreLines& centre, double tolerance,
+               CutLines& cuts) {
+  for (const PlaneRing& hole : holes) {
+    // A hole at the end of one slot is a relief. Several slots may end at a hole of the design.
+    int slots = 0;
+    bool isRelief = false;
+    for (const int end : centre.ends) {
+      double nearest = isWithinRing(hole, centre.places[end]) ? 0 : 1e9;
+      for (const Vector2& point : hole) {
+        nearest = std::min(nearest, (point - centre.places[end]).norm());
+      }
+      if (nearest >= 1.5 * cuts.kerf) continue;
+      ++slots;
+      isRelief = extentOf(hole) <= kRelief * centre.slotLengths[end];
+    }
+    const bool isRound = openingTips({hole}, tolerance).empty();
+    if (slots == 0 && isRound) ++cuts.leftOut["hole in a tile"];
+    if (slots == 1 ? isRelief : slots == 0 && isRound) continue;
+    for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
+    cuts.openings.push_back(hole);
+  }
+}
+
 }  // namespace
 
-std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
-                                  std::vector<const DrawnPath*>& leftOpen) {
-  std::vector<SlotRing> rings;
+std::vector<PlaneRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
+                                   std::vector<const DrawnPath*>& leftOpen) {
+  std::vector<PlaneRing> rings;
   std::vector<const DrawnPath*> open;
   for (const DrawnPath* path : paths) {
     path->isClosed ? rings.push_back(path->points) : open.push_back(path);
@@ -389,7 +390,7 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
   };
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (isTaken[k]) continue;
-    SlotRing ring;
+    PlaneRing ring;
     std::vector<const DrawnPath*> chain;
     const int start = ends[k].first;
     int node = start;
@@ -414,30 +415,26 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
   return rings;
 }
 
-CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const DrawnPath*>& open,
+std::vector<PlaneRing> materialRings(const std::vector<PlaneRing>& rings) {
+  std::map<std::string, int> leftOut;
+  constexpr double kShare = 0.25;  // openings may have their centre on the outline
+  GeosPlane plane;
+  return plane.rings(materialOf(plane, sheetRings(rings, kShare, leftOut)));
+}
+
+CutLines slotLines(const std::vector<PlaneRing>& rings, const std::vector<const DrawnPath*>& open,
                    double tolerance) {
   CutLines cuts;
-  std::vector<SlotRing> all = rings;
-  dropFrames(all, cuts.leftOut);
-  std::vector<SlotRing> sheets, removed;
-  for (const SlotRing& ring : all) {
-    const bool isIn = std::ranges::any_of(sheets, [&](const SlotRing& sheet) {
-      const auto inside = std::ranges::count_if(
-          ring, [&](const Vector2& point) { return isWithinRing(sheet, point); });
-      return 2 * inside >= std::ssize(ring);
-    });
-    (isIn ? removed : sheets).push_back(ring);
-  }
+  SheetRings sheet = sheetRings(rings, 0.5, cuts.leftOut);
   double area = 0;
-  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
+  for (const PlaneRing& one : sheet.sheets) area += std::abs(ringArea(one));
+  const std::size_t parts = sheet.sheets.size() + sheet.removed.size() + open.size() + 1;
   // Slots are narrower than tiles. In a sheet with slits, wide gaps are notches of the outline.
-  const double reach = (open.empty() ? 1 : 0.25) *
-                       std::sqrt(area / static_cast<double>(all.size() + open.size() + 1));
+  const double reach = (open.empty() ? 1 : 0.25) * std::sqrt(area / static_cast<double>(parts));
   std::vector<PlaneSegment> slits;
-  takeEnclosedSlots(rings, open, reach, tolerance, removed, slits);
+  takeEnclosedSlots(rings, open, reach, tolerance, sheet.removed, slits);
   GeosPlane plane;
-  const GEOSGeometry* material = plane.united(sheets);
-  if (!removed.empty()) material = plane.difference(material, plane.united(removed));
+  const GEOSGeometry* material = materialOf(plane, sheet);
   const std::vector<PlaneSegment> border = segmentsOf(plane.rings(material));
   std::vector<FacingEdges> pairs = facingEdges(border, reach, tolerance);
   cuts.kerf = medianWidth(pairs);
@@ -445,56 +442,15 @@ CutLines slotLines(const std::vector<SlotRing>& rings, const std::vector<const D
   std::erase_if(pairs, [&](const FacingEdges& pair) {
     return pair.width > 2.5 * cuts.kerf || pair.length < 0.25 * cuts.kerf;
   });
-  PointNumbers ends(0.25 * cuts.kerf, border.front().first);
-  std::vector<std::vector<PlaneSegment>> linesAt;
-  std::vector<std::pair<int, int>> centreLines;
-  for (const FacingEdges& pair : pairs) {
-    const int first = ends.add(pair.middle.first), last = ends.add(pair.middle.second);
-    linesAt.resize(ends.count());
-    if (first == last) continue;
-    linesAt[first].push_back(pair.middle);
-    linesAt[last].push_back(pair.middle);
-    centreLines.emplace_back(first, last);
-  }
-  std::vector<Vector2> places = ends.points();
-  for (int k = 0; k < ends.count(); ++k) places[k] = bendOf(linesAt[k], places[k], cuts.kerf);
-  // A slot is longer than wide. Others are notches and holes.
-  constexpr double kSlender = 1.1;  // length / width
-  const std::vector<int> partOf = Arrangement(places, centreLines).parts();
-  std::vector<double> lengths(places.size(), 0);  // by part
-  const auto lengthOf = [&](const std::pair<int, int>& line) {
-    return (places[line.second] - places[line.first]).norm();
-  };
-  for (const auto& line : centreLines) lengths[partOf[line.first]] += lengthOf(line);
-  std::erase_if(centreLines, [&](const auto& line) {
-    return lengths[partOf[line.first]] < kSlender * cuts.kerf;
-  });
-  if (centreLines.empty()) return cuts;
-  for (const auto& [first, last] : centreLines)
-    cuts.lines.emplace_back(places[first], places[last]);
-  std::vector<SlotRing> holes;
-  const std::vector<SlotRing> outlines =
+  const CentreLines centre = centreLines(pairs, cuts.kerf);
+  if (centre.edges.empty()) return cuts;
+  for (const auto& [first, last] : centre.edges)
+    cuts.lines.emplace_back(centre.places[first], centre.places[last]);
+  std::vector<PlaneRing> holes;
+  std::vector<PlaneRing> bounds =
       filledOutlines(plane, material, pairs, cuts.kerf, tolerance, holes);
-  for (const PlaneSegment& one : segmentsOf(outlines)) cuts.lines.push_back(one);
-  for (const SlotRing& hole : holes) {
-    // A hole at the end of one slot is a relief. Several slots may end at a hole of the design.
-    int slots = 0;
-    bool isRelief = false;
-    for (int k = 0; k < ends.count(); ++k) {
-      if (linesAt[k].size() != 1) continue;
-      double nearest = isWithinRing(hole, places[k]) ? 0 : 1e9;
-      for (const Vector2& point : hole) nearest = std::min(nearest, (point - places[k]).norm());
-      if (nearest >= 1.5 * cuts.kerf) continue;
-      ++slots;
-      isRelief = extentOf(hole) <= kRelief * lengths[partOf[k]];
-    }
-    const bool isRound = openingTips({hole}, tolerance).empty();
-    if (slots == 0 && isRound) ++cuts.leftOut["hole in a tile"];
-    if (slots == 1 ? isRelief : slots == 0 && isRound) continue;
-    for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
-    cuts.openings.push_back(hole);
-  }
-  std::vector<SlotRing> bounds = outlines;
+  for (const PlaneSegment& one : segmentsOf(bounds)) cuts.lines.push_back(one);
+  takeHoles(holes, centre, tolerance, cuts);
   bounds.insert(bounds.end(), cuts.openings.begin(), cuts.openings.end());
   cuts.tips = openingTips(bounds, tolerance);
   cuts.lines.insert(cuts.lines.end(), slits.begin(), slits.end());

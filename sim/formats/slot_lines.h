@@ -35,6 +35,9 @@ double extentOf(const std::vector<Vector2>& ring);
 /// Removes rings around one outline that itself contains rings. Sorts the rings by size.
 void dropFrames(std::vector<std::vector<Vector2>>& rings, std::map<std::string, int>& leftOut);
 
+/// The borders of sheets without what other rings remove, by GEOS. Material is on their left.
+std::vector<std::vector<Vector2>> materialRings(const std::vector<std::vector<Vector2>>& rings);
+
 /// Slots, closed outlines of removed material in closed outlines of a sheet, as their centre lines.
 /// Open lines are slits, or enclose a slot together with other lines. Without lines if the drawing
 /// has no narrow slots.

@@ -316,6 +316,59 @@ TEST(CutPatterns, SlotsThatOverlapHaveNoNeck) {
   EXPECT_THAT(reading.note, HasSubstr("2 x neck without material, as slots overlap (one at ("));
 }
 
+// The same in sheared sheets, where a slot's rounded end leaves material on one side only.
+TEST(CutPatterns, ObliqueSlotsThatOverlapAreNamed) {
+  int number = 0;
+  const SlitGrid grid(4, [&] {
+    ++number;
+    return number == 5 || number == 14 ? 0.9 : 3.0;
+  });
+  for (const double shear : {-0.8, 0.4, 0.8}) {
+    Eigen::Affine2d move(Eigen::Translation2d(100, 50));
+    move.linear() << 1, shear, 0, 1;
+    std::vector<Point> outline = grid.outline();
+    for (Point& p : outline) p = move * p;
+    std::string text = closedPath(outline);
+    for (const auto& [a, b] : grid.slits) text += closedPath(stadium({move * a, move * b}, 1, 8));
+    SCOPED_TRACE(shear);
+    const Reading reading = read("a.svg", page(text));
+    EXPECT_EQ(reading.model.tiles.size(), 16U) << reading.refusal;
+    EXPECT_EQ(reading.model.joints.size(), 22U);
+    EXPECT_THAT(reading.note, HasSubstr("2 x neck without material, as slots overlap (one at ("));
+  }
+}
+
+// Slots of 0.1 mm, four of which meet at one point at acute angles. Four others stop 4 mm short of
+// it. The centre lines of acute slots end away from the point.
+TEST(CutPatterns, NecksAimAtThePointWhereSlotsMeet) {
+  const Point centre(100, 100);
+  std::string text = closedPath({{50, 50}, {150, 50}, {150, 150}, {50, 150}});
+  for (const auto& [degrees, isThrough] : {std::pair(0.0, true),
+                                           {30, true},
+                                           {180, true},
+                                           {210, true},
+                                           {15, false},
+                                           {105, false},
+                                           {195, false},
+                                           {285, false}}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Point along(std::cos(angle), std::sin(angle));
+    const double border = 50 / along.cwiseAbs().maxCoeff();
+    text += closedPath(stadium({centre + (isThrough ? 0 : 4) * along,
+                                centre + (isThrough ? border - 2 : border + 1) * along},
+                               0.1, 8));
+  }
+  const Reading reading = read("a.svg", page(text));
+  EXPECT_EQ(reading.model.tiles.size(), 8U) << reading.refusal;
+  EXPECT_EQ(reading.model.joints.size(), 8U);
+  int atCentre = 0;
+  for (const model::Joint& joint : reading.model.joints) {
+    const Vector3& at = reading.model.tiles[joint.a.tile].vertices[joint.a.vertex];
+    atCentre += (Point(1e3 * at.x(), -1e3 * at.y()) - centre).norm() < 1e-3;  // measured 0
+  }
+  EXPECT_EQ(atCentre, 4);
+}
+
 TEST(CutPatterns, SlotsMayBeHalfATileWide) {
   for (const double kerf : {3.0, 5.0, 8.0, 10.0}) {
     for (const double angle : {0.0, 0.7}) {
@@ -656,6 +709,29 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
     expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
     EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
     EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+  }
+}
+
+// The hinges are cut in dashes, in the colour of the cuts. The joint is at the line that the dashes
+// lead to.
+TEST(CutPatterns, HingesMayBeCutInDashes) {
+  const SlitGrid grid(4, [] { return 2.0; });
+  for (const int dashes : {1, 2, 4}) {
+    std::string text = closedPath(grid.outline());
+    for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+      const auto& [a, b] = grid.slits[k];
+      text += path(a, b);
+      const Point& joint = grid.joints[k];
+      const Point end = (a - joint).norm() < (b - joint).norm() ? a : b;
+      for (int dash = 1; dash <= dashes; ++dash) {
+        const auto at = [&](double place) {
+          return Point(end + place / (dashes + 1) * (joint - end));
+        };
+        text += path(at(dash - 0.2), at(dash + 0.2));
+      }
+    }
+    SCOPED_TRACE(dashes);
+    expectGrid(read("a.svg", page(text)), grid, Eigen::Affine2d::Identity(), 1e-9);
   }
 }
 
