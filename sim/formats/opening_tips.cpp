@@ -3,6 +3,7 @@
 // 1. *Tips*: between two sides of a ring is a chain of vertices that turns around the opening. Its
 //    edges are shorter than half of both sides. Of all chains those between the longest sides are
 //    tips.
+//    A smooth opening has tips where it is farthest from its middle.
 // 2. *Rays* follow the bisector of the sides. They stop at the next line, or at a corner if they
 //    aim at it. The designer's mechanism closes there.
 #include "sim/formats/opening_tips.h"

@@ -9,11 +9,12 @@
 
 namespace kirireel::formats {
 
-/// A tip of an opening: two straight sides, and a corner, a short edge or a fillet between them.
+/// A tip of an opening: two straight sides, and a corner, a short edge or a fillet between them. Or
+/// a point of a smooth opening.
 struct OpeningTip {
   Vector2 from = Vector2::Zero();   ///< position of the tip, metres
   Vector2 along = Vector2::Zero();  ///< bisector of the sides, into the material; unit vector
-  double straight = 0;              ///< length of the shorter side
+  double straight = 0;              ///< length of the shorter side, or distance to the middle
   bool isSharp = false;             ///< the sides meet at the tip
   std::vector<Vector2> ends;        ///< the vertices between the sides
 };

@@ -13,6 +13,7 @@
 
 #include "sim/base/error.h"
 #include "sim/formats/middle_lines.h"
+#include "sim/formats/opening_tips.h"
 #include "sim/formats/read_model.h"
 #include "sim/generate/families.h"
 #include "tests/support/files.h"
@@ -712,6 +713,28 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
   }
 }
 
+// Ellipses at the corners of 4 x 4 squares of 20 mm, alternately along x and y. Tips stop short of
+// the sides of other ellipses. On the border only those that cross it, so six necks are missing.
+TEST(CutPatterns, EllipsesHaveTips) {
+  for (const auto& [length, width] : {std::pair(15.0, 4.0), {12.0, 6.5}}) {
+    std::string text = "<rect x=\"10\" y=\"10\" width=\"80\" height=\"80\"/>";
+    for (int i = 0; i <= 4; ++i) {
+      for (int j = 0; j <= 4; ++j) {
+        const bool isBesideX = i % 4 == 0, isBesideY = j % 4 == 0, isAlongX = (i + j) % 2 == 1;
+        if ((isBesideX && isBesideY) || (isBesideX && !isAlongX) || (isBesideY && isAlongX)) {
+          continue;
+        }
+        text += fmt::format("<ellipse cx=\"{}\" cy=\"{}\" rx=\"{}\" ry=\"{}\"/>", 10 + 20 * i,
+                            10 + 20 * j, isAlongX ? length : width, isAlongX ? width : length);
+      }
+    }
+    const Reading reading = read("a.svg", page(text));
+    EXPECT_EQ(reading.model.tiles.size(), 10U) << reading.refusal;
+    EXPECT_EQ(reading.model.joints.size(), 18U);
+    EXPECT_THAT(reading.note, HasSubstr(fmt::format("necks {:.3g}", 20 - length - width)));
+  }
+}
+
 // The hinges are cut in dashes, in the colour of the cuts. The joint is at the line that the dashes
 // lead to.
 TEST(CutPatterns, HingesMayBeCutInDashes) {
@@ -1000,6 +1023,17 @@ TEST(CutPatterns, ListsTheLinesThatItIgnores) {
       EXPECT_NEAR((line.points.back() - line.points.front()).norm(), 0.004, 1e-9);
     }
   }
+}
+
+// A star of twelve points is no slot, though its perimeter is long.
+TEST(OpeningTips, StarsHaveTipsAndSlotsHaveNone) {
+  std::vector<Point> star;
+  for (int k = 0; k < 24; ++k) {
+    const double angle = -k * std::numbers::pi / 12, radius = k % 2 ? 50 : 100;
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  EXPECT_EQ(openingTips({star}, 1e-6).size(), 12U);
+  EXPECT_EQ(openingTips({{{0, 0}, {0, 1}, {30, 1}, {30, 0}}}, 1e-6).size(), 0U);
 }
 
 }  // namespace
