@@ -590,6 +590,7 @@ class CutPatternReader {
                      double tolerance) const {
     std::vector<const DrawnPath*> open;
     const auto rings = closedRings(paths, tolerance, open);
+    requireApart(rings, open);
     const auto readAs = [&](CutLines cuts) {
       for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
       const auto sheet = [&] {
@@ -651,6 +652,30 @@ class CutPatternReader {
       place = sides[i].first + crossOf(sides[j].first - sides[i].first, v) / crossOf(u, v) * u;
     });
     return place;
+  }
+
+  /// Refuses outlines of sheets, with cuts inside, that cross each other.
+  void requireApart(const std::vector<std::vector<Vector2>>& rings,
+                    const std::vector<const DrawnPath*>& open) const {
+    constexpr int kCuts = 2;  // a slot or a hole may hold a mark
+    std::vector<std::vector<Vector2>> sheets;
+    for (const std::vector<Vector2>& ring : rings) {
+      const auto holds = [&](const std::vector<Vector2>& points) {
+        return std::ranges::all_of(points,
+                                   [&](const Vector2& point) { return isWithinRing(ring, point); });
+      };
+      const auto cuts =
+          std::ranges::count_if(rings, holds) +
+          std::ranges::count_if(open, [&](const DrawnPath* path) { return holds(path->points); });
+      if (cuts >= kCuts) sheets.push_back(ring);
+    }
+    const std::optional<Vector2> place = crossingOf(sheets);
+    if (!place) return;
+    throw DrawingFault(
+        inputErrorAt({file_}, fmt::format("outlines of two sheets cross at {}. Draw the sheets "
+                                          "next to each other",
+                                          drawing_.place(*place))),
+        drawing_.paths, {*place});
   }
 
   template <typename Read>

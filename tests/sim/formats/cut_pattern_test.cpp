@@ -920,6 +920,19 @@ TEST(CutPatterns, ReportsWhatIsWrongAndWhere) {
                                  "<path d=\"M2 20H10L10.3 20.3H2L6 19Z\"/>"))
                   .refusal,
               HasSubstr("an outline crosses itself at ("));
+  // Two sheets, one drawn over the other.
+  const SlitGrid small(2, [] { return 2.0; });
+  std::string twice;
+  for (const double shift : {0.0, 7.0}) {
+    const Point by(shift, 2 * shift);
+    std::vector<Point> outline = small.outline();
+    for (Point& p : outline) p += by;
+    twice += closedPath(outline);
+    for (const auto& [a, b] : small.slits) twice += path(a + by, b + by);
+  }
+  EXPECT_THAT(read("a.svg", page(twice)).refusal,
+              HasSubstr("a.svg: error: outlines of two sheets cross at (7, 40) mm. Draw the sheets "
+                        "next to each other"));
   // Ribbons.
   std::string ribbons = "<path d=\"M0 0H60V50H0Z";
   for (int row = 1; row < 5; ++row) {
