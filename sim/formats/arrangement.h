@@ -95,6 +95,13 @@ class Arrangement {
   std::vector<int> cycleOf_;
 };
 
+/// Appends the sides of a closed polygon.
+inline void appendRing(const std::vector<Vector2>& ring, std::vector<PlaneSegment>& segments) {
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
+  }
+}
+
 /// Whether a point is within closed lines: a ray along x crosses them an odd number of times.
 bool isWithin(const std::vector<PlaneSegment>& lines, const Vector2& point);
 

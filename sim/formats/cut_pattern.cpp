@@ -42,12 +42,6 @@ double lengthOf(const DrawnPath& path) {
   return path.isClosed ? length + (path.points.front() - path.points.back()).norm() : length;
 }
 
-void appendRing(const std::vector<Vector2>& ring, std::vector<PlaneSegment>& segments) {
-  for (std::size_t k = 0; k < ring.size(); ++k) {
-    segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
-  }
-}
-
 void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) {
   for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
     segments.emplace_back(path.points[k], path.points[k + 1]);
@@ -622,7 +616,7 @@ class CutPatternReader {
     takeTips(rings, tolerance, slits);
     // Openings may overlap each other, and the outline.
     const auto asMaterial = [&]() -> std::optional<CutSheet> {
-      if (!crossingOf(rings)) return std::nullopt;
+      if (!crossingOf(rings, false)) return std::nullopt;
       const auto material = materialRings(rings);
       CutLines cuts;
       cuts.lines = segmentsOf(open);
@@ -636,8 +630,9 @@ class CutPatternReader {
     return readBest([&] { return readBest(asLines, asSlots); }, asMaterial);
   }
 
-  /// A place where two closed lines cross; absent if there is none.
-  std::optional<Vector2> crossingOf(const std::vector<std::vector<Vector2>>& rings) const {
+  /// A place where a closed line crosses itself, or another one; absent if there is none.
+  std::optional<Vector2> crossingOf(const std::vector<std::vector<Vector2>>& rings,
+                                    bool isItself) const {
     std::vector<PlaneSegment> sides;
     std::vector<std::size_t> ringOf;
     for (std::size_t k = 0; k < rings.size(); ++k) {
@@ -646,12 +641,23 @@ class CutPatternReader {
     }
     std::optional<Vector2> place;
     visitNearSegments(sides, tolerance_, [&](int i, int j) {
-      if (place || ringOf[i] == ringOf[j] || touchesEnd(sides[i], sides[j])) return;
-      if (!meet(sides[i], sides[j])) return;
+      if (place || (ringOf[i] == ringOf[j]) != isItself) return;
       const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
-      place = sides[i].first + crossOf(sides[j].first - sides[i].first, v) / crossOf(u, v) * u;
+      const double area = crossOf(u, v);
+      if (area == 0) return;
+      const Vector2 apart = sides[j].first - sides[i].first;
+      const double s = crossOf(apart, v) / area, t = crossOf(apart, u) / area;
+      const auto isInside = [&](double share, const Vector2& side) {
+        return std::min(share, 1 - share) * side.norm() > tolerance_;
+      };
+      if (isInside(s, u) && isInside(t, v)) place = sides[i].first + s * u;
     });
     return place;
+  }
+
+  DrawingFault crossingAt(const Vector2& place, fmt::format_string<std::string> what) const {
+    return {
+        inputErrorAt({file_}, fmt::format(what, drawing_.place(place))), drawing_.paths, {place}};
   }
 
   /// Refuses outlines of sheets, with cuts inside, that cross each other.
@@ -669,13 +675,10 @@ class CutPatternReader {
           std::ranges::count_if(open, [&](const DrawnPath* path) { return holds(path->points); });
       if (cuts >= kCuts) sheets.push_back(ring);
     }
-    const std::optional<Vector2> place = crossingOf(sheets);
-    if (!place) return;
-    throw DrawingFault(
-        inputErrorAt({file_}, fmt::format("outlines of two sheets cross at {}. Draw the sheets "
-                                          "next to each other",
-                                          drawing_.place(*place))),
-        drawing_.paths, {*place});
+    if (const std::optional<Vector2> place = crossingOf(sheets, false)) {
+      throw crossingAt(*place,
+                       "outlines of two sheets cross at {}. Draw the sheets next to each other");
+    }
   }
 
   template <typename Read>
@@ -747,29 +750,13 @@ class CutPatternReader {
         ++uses[number];
       }
     }
-    for (const std::vector<Vector2>& ring : rings) {
-      const bool isShared = std::ranges::any_of(
-          ring, [&](const Vector2& point) { return uses[*numbers.find(point)] > 1; });
-      if (isShared) continue;
-      std::vector<PlaneSegment> sides;
-      appendRing(ring, sides);
-      visitNearSegments(sides, tolerance_, [&](int i, int j) {
-        const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
-        const double area = crossOf(u, v);
-        if (area == 0) return;
-        const Vector2 apart = sides[j].first - sides[i].first;
-        const double s = crossOf(apart, v) / area, t = crossOf(apart, u) / area;
-        const auto isInside = [&](double share, const Vector2& side) {
-          return std::min(share, 1 - share) * side.norm() > tolerance_;
-        };
-        if (!isInside(s, u) || !isInside(t, v)) return;
-        const Vector2 place = sides[i].first + s * u;
-        throw DrawingFault(
-            inputErrorAt({file_}, fmt::format("an outline crosses itself at {}; draw it without "
-                                              "the crossing",
-                                              drawing_.place(place))),
-            drawing_.paths, {place});
-      });
+    std::vector<std::vector<Vector2>> own;
+    std::ranges::copy_if(rings, std::back_inserter(own), [&](const std::vector<Vector2>& ring) {
+      return std::ranges::all_of(
+          ring, [&](const Vector2& point) { return uses[*numbers.find(point)] == 1; });
+    });
+    if (const std::optional<Vector2> place = crossingOf(own, true)) {
+      throw crossingAt(*place, "an outline crosses itself at {}; draw it without the crossing");
     }
   }
 

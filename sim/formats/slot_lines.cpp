@@ -34,11 +34,7 @@ bool holds(const PlaneRing& outer, const PlaneRing& inner) {
 
 std::vector<PlaneSegment> segmentsOf(const std::vector<PlaneRing>& rings) {
   std::vector<PlaneSegment> segments;
-  for (const PlaneRing& ring : rings) {
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-      segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
-    }
-  }
+  for (const PlaneRing& ring : rings) appendRing(ring, segments);
   return segments;
 }
 
@@ -345,7 +341,7 @@ void takeHoles(const std::vector<PlaneRing>& holes, const CentreLines& centre, d
     const bool isRound = openingTips({hole}, tolerance).empty();
     if (slots == 0 && isRound) ++cuts.leftOut["hole in a tile"];
     if (slots == 1 ? isRelief : slots == 0 && isRound) continue;
-    for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
+    appendRing(hole, cuts.lines);
     cuts.openings.push_back(hole);
   }
 }
@@ -449,7 +445,7 @@ CutLines slotLines(const std::vector<PlaneRing>& rings, const std::vector<const 
   std::vector<PlaneRing> holes;
   std::vector<PlaneRing> bounds =
       filledOutlines(plane, material, pairs, cuts.kerf, tolerance, holes);
-  for (const PlaneSegment& one : segmentsOf(bounds)) cuts.lines.push_back(one);
+  for (const PlaneRing& bound : bounds) appendRing(bound, cuts.lines);
   takeHoles(holes, centre, tolerance, cuts);
   bounds.insert(bounds.end(), cuts.openings.begin(), cuts.openings.end());
   cuts.tips = openingTips(bounds, tolerance);
