@@ -20,7 +20,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "sim/base/error.h"
 #include "sim/formats/cut_sheet.h"
@@ -51,11 +50,10 @@ void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) 
 
 /// " (2 x mask, which is not applied)" for what a fault may come from.
 std::string notApplied(const Drawing& drawing) {
-  std::string text;
-  for (const auto& [what, count] : drawing.ignored) {
-    if (what.find(", which is not ") != what.npos) text += fmt::format(" ({} x {})", count, what);
-  }
-  return text;
+  std::vector<std::string> entries = counted(drawing.ignored);
+  std::erase_if(entries,
+                [](const std::string& what) { return what.find(", which is not ") == what.npos; });
+  return entries.empty() ? "" : fmt::format(" ({})", listed(entries));
 }
 
 /// Lines of one colour, layer and dash.
@@ -218,13 +216,13 @@ class CutPatternReader {
         if (used.contains(word)) continue;
         std::set<std::string> names;
         for (const DrawnPath& path : drawing_.paths) {
-          names.insert(path.colour);
-          if (!path.layer.empty()) names.insert(path.layer);
+          names.insert(shown(path.colour));
+          if (!path.layer.empty()) names.insert(shown(path.layer));
         }
         throw inputErrorAt(
             {file_}, fmt::format("no line has the colour, layer or id '{}' of {}. Available: {}",
                                  shown(word), words == &settings_.cut ? "`cut`" : "`ignore`",
-                                 fmt::join(names, ", ")));
+                                 listed({names.begin(), names.end()}, 20)));
       }
     }
   }
@@ -916,11 +914,11 @@ class CutPatternReader {
     std::vector<std::string> texts;
     for (const LineGroup& group : groups_) {
       texts.push_back(fmt::format(
-          "{} {}{}{} ({})", group.paths.size(), group.colour,
+          "{} {}{}{} ({})", group.paths.size(), shown(group.colour),
           layers.size() > 1 && !group.layer.empty() ? " on layer " + shown(group.layer) : "",
           group.isDashed ? ", dashed" : "", group.role));
     }
-    return fmt::format("{}", fmt::join(texts, ", "));
+    return listed(texts);
   }
 
   std::string describe(const CutSheet& reading) const {
@@ -947,9 +945,7 @@ class CutPatternReader {
       text += fmt::format("; {} cuts drawn as two lines up to {:.4g} mm apart", middles_.size(),
                           joinedApart_ * 1e3);
     }
-    std::vector<std::string> texts;
-    for (const auto& [what, count] : leftOut) texts.push_back(fmt::format("{} x {}", count, what));
-    if (!texts.empty()) text += fmt::format("; left out: {}", fmt::join(texts, ", "));
+    if (!leftOut.empty()) text += "; left out: " + listed(counted(leftOut), 30);
     return text;
   }
 
@@ -996,13 +992,10 @@ model::Model readDrawnModel(const Drawing& drawing, const fs::path& file,
   // Smaller drawings are points. Their tolerance is below the precision of doubles.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
-    std::vector<std::string> others;
-    for (const auto& [what, count] : drawing.ignored)
-      others.push_back(fmt::format("{} x {}", count, what));
+    const std::vector<std::string> others = counted(drawing.ignored);
     throw inputErrorAt(
-        {file},
-        fmt::format("the drawing has no lines of a sheet{}. Draw its outline and its cuts",
-                    others.empty() ? "" : fmt::format(", but {}", fmt::join(others, ", "))));
+        {file}, fmt::format("the drawing has no lines of a sheet{}. Draw its outline and its cuts",
+                            others.empty() ? "" : ", but " + listed(others)));
   }
   const bool isPlain = settings.cut.empty() && settings.ignore.empty() && settings.neckWidth == 0 &&
                        !settings.areJointsInNecks;

@@ -50,6 +50,20 @@ std::string lowerCase(std::string_view text) {
   return lower;
 }
 
+std::string listed(const std::vector<std::string>& entries, std::size_t most) {
+  const std::size_t count = std::min(most, entries.size());
+  const auto end = entries.begin() + static_cast<std::ptrdiff_t>(count);
+  std::string list = fmt::format("{}", fmt::join(entries.begin(), end, ", "));
+  if (count < entries.size()) list += fmt::format(" and {} more", entries.size() - count);
+  return list;
+}
+
+std::vector<std::string> counted(const std::map<std::string, int>& counts) {
+  std::vector<std::string> entries;
+  for (const auto& [what, count] : counts) entries.push_back(fmt::format("{} x {}", count, what));
+  return entries;
+}
+
 double DecimalCounts::lastPlace() const {
   const int all = std::reduce(numbers.begin(), numbers.end());
   int decimals = static_cast<int>(numbers.size()) - 1;

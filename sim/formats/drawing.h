@@ -114,6 +114,12 @@ struct DecimalCounts {
   double lastPlace() const;
 };
 
+/// A list for a message: at most `most` entries, and the number of others.
+std::string listed(const std::vector<std::string>& entries, std::size_t most = 8);
+
+/// "2 x text" for each of these counts.
+std::vector<std::string> counted(const std::map<std::string, int>& counts);
+
 /// A number with '.' or ',' before its decimals, possibly with a leading '+'. Throws InputError
 /// with the place.
 double drawnNumber(std::string_view text, const FileLocation& place,

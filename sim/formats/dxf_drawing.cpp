@@ -171,7 +171,7 @@ class DxfReader {
     const bool isEnd = entity.type == "LINE";
     throw inputErrorAt({file_, entity.line},
                        fmt::format("a {} lacks {} (group {}); save the drawing again",
-                                   oneLine(entity.type), isEnd ? "an end" : "a number", code));
+                                   shown(entity.type, 24), isEnd ? "an end" : "a number", code));
   }
   int whole(const DxfEntity& entity, int code, int otherwise) {
     const DxfGroup* group = entity.group(code);
@@ -246,7 +246,7 @@ class DxfReader {
         while (vertices < entities.size() && entities[vertices].type == "VERTEX") ++vertices;
       }
       if (!addPoints(entity, entities, k + 1, vertices, path)) {
-        ++drawing_.ignored[lowerCase(oneLine(type))];
+        ++drawing_.ignored[lowerCase(shown(type, 24))];
         continue;
       }
       if (!isLevel(entity, entities, k + 1, vertices, path)) {

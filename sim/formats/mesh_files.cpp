@@ -20,7 +20,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -312,7 +311,7 @@ void warnOfIgnored(const std::map<std::string, int>& ignored, const fs::path& fi
   std::vector<std::string> words;
   for (const auto& [word, count] : ignored) words.push_back(fmt::format("{} ({})", word, count));
   warnings.push_back(
-      fmt::format("{}: warning: ignored statements: {}", file.string(), fmt::join(words, ", ")));
+      fmt::format("{}: warning: ignored statements: {}", file.string(), listed(words, 30)));
 }
 
 /// NAME_contracted and NAME are the same model.
@@ -528,9 +527,9 @@ class PlyReader {
   std::string describeCounts() const {
     std::vector<std::string> counts;
     for (const PlyElement& element : elements_) {
-      counts.push_back(fmt::format("{} {}", element.name, element.count));
+      counts.push_back(fmt::format("{} {}", shown(element.name, 24), element.count));
     }
-    return fmt::format("{}", fmt::join(counts, ", "));
+    return listed(counts);
   }
 
   /// The next word of the header or of ASCII data; empty at the end.

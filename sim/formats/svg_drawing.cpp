@@ -593,7 +593,7 @@ class SvgReader {
     } else if (tag == "use") {
       walkUse(node, transform, style, depth);
     } else if (!addShape(node, tag, transform, style)) {
-      ++drawing_.ignored[tag == "tspan" || tag == "flowroot" ? "text" : oneLine(tag)];
+      ++drawing_.ignored[tag == "tspan" || tag == "flowroot" ? "text" : shown(tag, 24)];
     }
     if (isSet("clip-path")) clip(first, *property(node, "clip-path"), transform, depth);
   }

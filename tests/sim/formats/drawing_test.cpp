@@ -470,6 +470,17 @@ TEST(Drawing, PlacesAreTheDrawingsOwn) {
   EXPECT_NEAR(drawing.rounding, 1e-5, 1e-12);
 }
 
+// Found by a fuzzer.
+TEST(Drawing, MessagesNameAFewOfManyThings) {
+  EXPECT_EQ(listed({"a", "b", "c"}, 2), "a, b and 1 more");
+  EXPECT_EQ(listed({"a", "b"}, 2), "a, b");
+  std::string entities;
+  for (int k = 0; k < 100; ++k) entities += fmt::format("0\n{}{}\n", k, std::string(100, 'x'));
+  EXPECT_EQ(drawn("a.dxf", section("ENTITIES", entities))
+                .ignored.count("10" + std::string(22, 'x') + "..."),
+            1U);
+}
+
 // Windows programs write UTF-16, old Macintosh programs end lines by a carriage return.
 TEST(DxfDrawing, ReadsTextOfAnySystem) {
   const std::string plain = section("ENTITIES", "0\nLINE\n10\n0\n20\n0\n11\n1\n21\n2\n");
