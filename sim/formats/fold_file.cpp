@@ -1272,7 +1272,9 @@ std::vector<model::Crease> setTarget(const FoldReader& reader, const ReadSetting
         warnings.push_back(
             openFolds(file, "in the file", folded.gap,
                       "So the model has no target, and springs at folds rest at these angles"));
-      } else {
+      } else if (!std::ranges::equal(folded.tiles, model.tiles, {}, &model::Tile::vertices,
+                                     &model::Tile::vertices)) {
+        // Otherwise folds are only at edges without two faces.
         model.target = std::move(folded.tiles);
       }
     }

@@ -731,6 +731,11 @@ TEST(FoldFile, CountsEdgesOfNoFace) {
             "@/a.fold: warning: 2 edges are sides of no face and are not read, edge 4 is the "
             "first; split the faces there, or delete the edges");
   EXPECT_EQ(read.model.tiles.size(), 1U);
+  // A fold within a face moves nothing.
+  json folded = file;
+  folded["edges_assignment"][4] = "V";
+  folded["edges_foldAngle"][4] = 90;
+  EXPECT_FALSE(readText(folded.dump()).model.target);
   for (const char* key : {"edges_vertices", "edges_assignment", "edges_foldAngle"}) {
     file[key].erase(5);
   }
