@@ -32,10 +32,11 @@ int motionsOutOfPlane(const scene::Scene& scene) {
 void requireDriveOutOfPlane(const scene::Scene& scene) {
   const int count = motionsOutOfPlane(scene);
   if (count == 0) return;
-  throw InputError(
-      fmt::format("error: this sheet has no motion in its plane, but {} out of it. Set a target or "
-                  "a load (`target`, `gravity`, [[timeline]] or [[velocity]] in scene.toml)",
-                  count));
+  throw InputError(fmt::format(
+      "error: this sheet has no motion in its plane, but {} out of it. Set a target, "
+      "a load or springs at folds (`target`, `gravity`, `hinge_stiffness`, [[timeline]] "
+      "or [[velocity]] in scene.toml)",
+      count));
 }
 
 void leaveLockedPlane(scene::Scene& scene) {

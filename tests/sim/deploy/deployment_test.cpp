@@ -375,10 +375,12 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   single.model.tiles.resize(1);
   single.model.joints.clear();
   // Ball joints let the truss fold out of its plane.
-  EXPECT_THAT([] { deploy::deploy(truss(), 0.1, nullptr); },
-              testing::ThrowsMessage<InputError>(
-                  "error: this sheet has no motion in its plane, but 3 out of it. Set a target or "
-                  "a load (`target`, `gravity`, [[timeline]] or [[velocity]] in scene.toml)"));
+  EXPECT_THAT(
+      [] { deploy::deploy(truss(), 0.1, nullptr); },
+      testing::ThrowsMessage<InputError>(
+          "error: this sheet has no motion in its plane, but 3 out of it. Set a target, "
+          "a load or springs at folds (`target`, `gravity`, `hinge_stiffness`, [[timeline]] "
+          "or [[velocity]] in scene.toml)"));
   scene::Scene inPlane = truss();
   inPlane.solver.planar = true;
   for (scene::Scene scene : {inPlane, single}) {
