@@ -605,9 +605,8 @@ class CutPatternReader {
       requireSimple(rings);
       return readAs(std::move(cuts));
     };
-    if (open.empty()) {
-      if (auto reading = asSlots()) return std::move(*reading);
-    }
+    std::optional<CutSheet> slots;
+    if (open.empty()) slots = asSlots();
     CutLines slits;
     takeReliefs(paths, rings, slits);
     slits.lines = segmentsOf(paths);
@@ -623,7 +622,11 @@ class CutPatternReader {
       return readAs(std::move(cuts));
     };
     const auto asLines = [&] { return readAs(std::move(slits)); };
-    if (open.empty()) return readBest(asLines, asMaterial);
+    const auto asOpenings = [&] { return readBest(asLines, asMaterial); };
+    // Slots without a hinge are holes, or openings as wide as tiles.
+    if (slots && !slots->model.joints.empty())
+      return readBest([&] { return std::move(*slots); }, asOpenings);
+    if (open.empty()) return asOpenings();
     // Closed outlines next to open lines are slots, reliefs, holes or marks.
     return readBest([&] { return readBest(asLines, asSlots); }, asMaterial);
   }

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/formats/geos_plane.h"
 #include "sim/formats/middle_lines.h"
 #include "sim/formats/opening_tips.h"
 #include "sim/formats/read_model.h"
@@ -710,6 +711,41 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
     expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
     EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
     EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+  }
+}
+
+/// An open sheet as the outlines of its material: tiles of 20 mm, with a square of neck at each
+/// joint.
+std::string openSheet(const model::Model& model, double neck) {
+  const double scale = 20 / model::tileSize(model);
+  std::vector<PlaneRing> parts;
+  for (const model::Tile& tile : model.tiles) {
+    PlaneRing& ring = parts.emplace_back();
+    for (const Vector3& vertex : tile.vertices) ring.push_back(scale * vertex.head<2>());
+  }
+  for (const model::Joint& joint : model.joints) {
+    const Point at = scale * model.tiles[joint.a.tile].vertices[joint.a.vertex].head<2>();
+    const double half = neck / 2;
+    parts.push_back({at + Point(half, half), at + Point(-half, half), at + Point(-half, -half),
+                     at + Point(half, -half)});
+  }
+  GeosPlane plane;
+  std::string text;
+  for (const PlaneRing& ring : plane.rings(plane.united(parts))) text += closedPath(ring, 5);
+  return "<g transform=\"translate(200 200)\">" + text + "</g>";
+}
+
+// Openings with parallel sides are as wide as tiles. They are no slots.
+TEST(CutPatterns, OpenSheetsComeBack) {
+  for (const auto& [family, angle] :
+       {std::pair("tessellation", 25.0), {"tessellation", 65.0}, {"fan", 25.0}}) {
+    SCOPED_TRACE(fmt::format("{} {}", family, angle));
+    const model::Model drawn =
+        generate::generateModel(generate::familyNamed(family), {{"start-angle", angle}});
+    const Reading reading = read("a.svg", page(openSheet(drawn, 0.4)));
+    EXPECT_EQ(reading.refusal, "");
+    EXPECT_EQ(reading.model.tiles.size(), drawn.tiles.size());
+    EXPECT_EQ(reading.model.joints.size(), drawn.joints.size());
   }
 }
 
