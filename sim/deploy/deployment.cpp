@@ -115,8 +115,8 @@ struct Search {
 void requireMotion(const scene::Scene& scene, const path::PlannedPath& planned) {
   const run::MechanismPath& path = planned.path->path;
   const double tile = model::tileSize(scene.model);
-  if (path.isCutShort || run::farthestMove(path.states.front(), path.states.back(), tile) > 0)
-    return;
+  if (path.isCutShort || path.endsAtOpenJoints) return;
+  if (run::farthestMove(path.states.front(), path.states.back(), tile) > 0) return;
   const trajectory::Freedom freedom =
       scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
   const trajectory::Mobility left =
@@ -129,8 +129,8 @@ void requireMotion(const scene::Scene& scene, const path::PlannedPath& planned) 
       "(`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
-/// The misfit of tiles whose corners nearly coincide but whose redundant joints do not hold exactly,
-/// as in designs from an optimiser; metres. 0 if they do, or if it is unknown.
+/// The misfit of tiles whose corners nearly coincide but whose redundant joints do not hold
+/// exactly, as in designs from an optimiser; metres. 0 if they do, or if it is unknown.
 double mechanismMisfit(const scene::Scene& scene) {
   if (scene.model.rounding > 0) return 0;
   const trajectory::Mobility found = trajectory::mobility(
@@ -142,20 +142,10 @@ double mechanismMisfit(const scene::Scene& scene) {
                   model::largestJointGap(scene.model.joints, scene.model.tiles));
 }
 
-/// Whether a path with exact joints has closed ones at its end. If tiles do not fit each other,
-/// exact joints open.
-bool endsClosed(const scene::Scene& scene, const run::MechanismPath& path) {
-  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
-  return trajectory::jointGap(pivots, path.states.back()).max <=
-         run::kOpenJoints * model::tileSize(scene.model);
-}
-
 /// The path to full extension. Tiles with a misfit keep that tolerance, unless exact joints lead
 /// farther.
 void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::TrialObserver& watch,
             Search& found) {
-  constexpr double kShorter = 0.98;
   found.planned = path::planExtension(scene, budget, watch);
   const double misfit = mechanismMisfit(scene);
   if (misfit == 0) return;
@@ -163,10 +153,8 @@ void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
   loose.model.rounding = misfit;
   path::PlannedPath other = path::planExtension(loose, budget, watch);
   if (!path::isCollisionFree(loose, *other.path)) return;
-  const bool isFree = path::isCollisionFree(scene, *found.planned.path) &&
-                      endsClosed(scene, found.planned.path->path);
-  const double length = isFree ? found.planned.path->path.length() : 0;
-  if (other.path->path.length() < kShorter * length) return;
+  const bool isFree = path::isCollisionFree(scene, *found.planned.path);
+  if (isFree && path::extendsFarther(*found.planned.path, *other.path)) return;
   found.planned = std::move(other);
   found.misfit = misfit;
 }

@@ -47,7 +47,7 @@ constexpr double kLongestPath = 20;
 constexpr double kGapShare = 0.5;
 // A gap that closes by less in a step is constant, radians.
 constexpr double kStill = 1e-9;
-// Below this gap the end is poseAtNoGap(), radians. The error is about the product of the last
+// Below this gap the end is extrapolated, radians. The error is about the product of the last
 // kNodes gaps.
 constexpr double kNearGap = 1e-3;
 constexpr std::size_t kNodes = 5;
@@ -57,43 +57,10 @@ constexpr double kAboveRounding = 10;
 constexpr double kShut = 1e-6;
 constexpr double kShutDigits = 100;  // of the last digit, in tiles
 constexpr int kBisections = 40;
-// Maximum number of moves that close rounded joints beyond the first order.
-constexpr int kClosingMoves = 4;
-
-std::vector<brick::Brick> bricksOfMetric(const scene::Scene& scene) {
-  std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  for (brick::Brick& brick : bricks) {
-    const double radius = run::gyrationRadius(brick);
-    brick.mass = 1;
-    brick.inertia = radius * radius * Matrix3::Identity();
-  }
-  return bricks;
-}
 
 scene::Scene withoutSurroundings(scene::Scene scene) {
   scene.environment = scene::Environment{};
   return scene;
-}
-
-/// The polynomial through these states, each at its own gap, evaluated at gap 0.
-Poses poseAtNoGap(const std::vector<double>& gaps, const std::vector<Poses>& states) {
-  Poses poses = states.back();
-  std::vector<Vector3> turns(poses.size(), Vector3::Zero());
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    double weight = 1;
-    for (std::size_t m = 0; m < states.size(); ++m) {
-      if (m != k) weight *= gaps[m] / (gaps[m] - gaps[k]);
-    }
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Pose& origin = states.back()[i];
-      poses[i].position += weight * (states[k][i].position - origin.position);
-      turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
-    }
-  }
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
-  }
-  return poses;
 }
 
 class ClosingPath {
@@ -103,7 +70,7 @@ class ClosingPath {
       : scene_(withoutSurroundings(scene)),
         tile_(model::tileSize(scene.model)),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
-        metric_(bricksOfMetric(scene)),
+        metric_(run::metricBricks(scene)),
         pivots_(brick::makePivots(scene.model.joints, bricks_)),
         hinges_(brick::findHinges(bricks_, pivots_, scene::sceneNeeds(scene).planar.on).hinges),
         jointStiffness_(run::roundedJointStiffness(scene.model)),
@@ -235,16 +202,7 @@ class ClosingPath {
       budget_.spend(100.0 * static_cast<double>(bricks_.size() * bricks_.size()));
       return run::closeInPlace(poses, *dynamics_);
     }
-    const auto withoutForces = [](const Poses&, std::vector<brick::Load>& loads) {
-      std::ranges::fill(loads, brick::Load{});
-    };
-    for (int k = 0; k < kClosingMoves; ++k) {
-      Motion motion{poses, std::vector<Velocity>(poses.size())};
-      budget_.spend(dynamics_->advance(motion, 1, withoutForces).work);
-      const double moved = run::pathDistance(metric_, poses, motion.poses);
-      poses = std::move(motion.poses);
-      if (moved <= scene_.model.rounding) break;
-    }
+    budget_.spend(run::settle(metric_, scene_.model.rounding, *dynamics_, poses));
     return trajectory::jointGap(pivots_, poses).max <= run::roundedReach(scene_.model);
   }
 
@@ -317,7 +275,7 @@ class ClosingPath {
       known = gapsAt(states[k], known);
       nodes[k] = known[gap];
     }
-    Poses end = poseAtNoGap(nodes, states);
+    Poses end = run::polynomialAt(0, nodes, states, states.back());
     Poses closed = end;
     if (close(closed) && run::pathDistance(metric_, end, closed) < nearGap() * nearGap() * tile_) {
       end = std::move(closed);

@@ -48,6 +48,7 @@
 #include "sim/model/isometry.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
+#include "sim/run/path_evaluation.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -110,8 +111,6 @@ constexpr double kFarthestRefined = 0.5;
 constexpr double kNoDigit = 0.1;
 // Maximum cost of the path with exact joints, relative to that of the path with rounded joints.
 constexpr double kExactCost = 4;
-// Maximum number of moves that close compliant joints beyond the first order.
-constexpr int kSettlingMoves = 4;
 // Joint stiffnesses near a flush start, over the weight of a position, tried in order. On caps of
 // 64 to 144 tiles 1e4 opens joints least, by 2e-4 to 3e-3 of a tile. If it jams, softer joints
 // arrive.
@@ -119,17 +118,6 @@ constexpr double kNearStart[] = {1e4, 1e3, 1e2};
 // Perturbation that leaves a saddle, radians, and the relative gain in extent that confirms it.
 constexpr double kPerturbation = 0.02;
 constexpr double kMoreExtent = 1e-6;
-
-/// The same bricks, with the path's metric instead of their masses and inertias.
-std::vector<brick::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
-  std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  for (brick::Brick& brick : bricks) {
-    const double radius = run::gyrationRadius(brick);
-    brick.mass = 1;
-    brick.inertia = turnWeight * radius * radius * Matrix3::Identity();
-  }
-  return bricks;
-}
 
 scene::Scene withoutLoads(scene::Scene scene) {
   scene.environment.gravity.setZero();
@@ -198,20 +186,7 @@ double extent(const Poses& poses, const std::vector<int>& pieces) {
   return sum;
 }
 
-/// Translations, and rotations as arcs at the radii of gyration, from one state to another: 6
-/// numbers for each brick, metres.
-Eigen::VectorXd displacement(const std::vector<brick::Brick>& bricks, const Poses& from,
-                             const Poses& to) {
-  Eigen::VectorXd found(6 * from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    found.segment<3>(6 * i) = to[i].position - from[i].position;
-    found.segment<3>(6 * i + 3) =
-        run::gyrationRadius(bricks[i]) * turnBetween(from[i].rotation, to[i].rotation);
-  }
-  return found;
-}
-
-/// The state at such a displacement from another one.
+/// The state at such a run::displacement() from another one.
 Poses displaced(const std::vector<brick::Brick>& bricks, Poses poses, const Eigen::VectorXd& by) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses[i] = kirireel::displaced(poses[i], by.segment<3>(6 * i),
@@ -254,7 +229,7 @@ class Mechanism {
         jointStiffness_(settings.jointStiffness),
         turnWeight_(settings.turnWeight),
         tile_(model::tileSize(scene.model)),
-        bricks_(metricBricks(scene, settings.turnWeight)) {
+        bricks_(run::metricBricks(scene, settings.turnWeight)) {
     restart(start);
   }
 
@@ -272,13 +247,9 @@ class Mechanism {
     dynamics_->setJointStiffness(jointStiffness_);
   }
 
-  /// Closes compliant joints beyond the first order, with the smallest motion of the bricks. One
-  /// move is a Gauss-Newton step, which leaves gaps of half the square of the rotations.
+  /// Closes compliant joints beyond the first order.
   void settle(Poses& poses, run::SearchBudget& budget) {
-    for (int i = 0; i < kSettlingMoves; ++i) {
-      const double moved = move(poses, poses, std::numeric_limits<double>::infinity(), budget);
-      if (moved <= scene_.model.rounding) return;
-    }
+    budget.spend(run::settle(bricks_, scene_.model.rounding, *dynamics_, poses));
   }
 
   const std::vector<brick::Brick>& bricks() const { return bricks_; }
@@ -293,7 +264,7 @@ class Mechanism {
   /// The state after one move that aims at `place` itself.
   Poses step(const Poses& from, const Poses& place, run::SearchBudget& budget) {
     Motion motion{from, aimedAt(from, place, 1)};
-    budget.spend(dynamics_->advance(motion, 1, withoutForces).work);
+    budget.spend(dynamics_->advance(motion, 1, run::withoutForces).work);
     return std::move(motion.poses);
   }
 
@@ -302,7 +273,7 @@ class Mechanism {
     const double before = distance(poses, place);
     for (bool isFirst = true;; isFirst = false) {
       Motion motion{poses, aimedAt(poses, place, aim_)};
-      const StepReport report = dynamics_->advance(motion, 1, withoutForces);
+      const StepReport report = dynamics_->advance(motion, 1, run::withoutForces);
       budget.spend(report.work);
       const double moved = run::pathDistance(bricks_, poses, motion.poses);
       const double after = distance(motion.poses, place);
@@ -347,10 +318,6 @@ class Mechanism {
                             aim * turnBetween(from[i].rotation, place[i].rotation)});
     }
     return velocities;
-  }
-
-  static void withoutForces(const Poses&, std::vector<brick::Load>& loads) {
-    std::ranges::fill(loads, brick::Load{});
   }
 
   const scene::Scene& scene_;
@@ -408,6 +375,10 @@ class Continuation {
     if (radius == 0) return finish();  // loose tiles
     stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
     extend();
+    if (settings_.jointStiffness < closedStiffness_) {
+      closeCompliantJoints();
+      extend();
+    }
     // Without any gain in extent, the state is a maximum or, often by symmetry, a saddle.
     while (mayContinue() && leaveSaddle()) continue;
     if (ascent_ > 0 && !isTouching()) refine();
@@ -459,6 +430,16 @@ class Continuation {
     return moved;
   }
 
+  /// From here on, joints are closed as far as the tiles fit each other.
+  void closeCompliantJoints() {
+    settings_.jointStiffness = closedStiffness_;
+    mechanism_.holdJoints(closedStiffness_);
+    if (isRounded()) mechanism_.settle(poses_, budget_);
+    if (!settings_.areJointsCompliant()) mechanism_.close(poses_);
+    mechanism_.restore(symmetries_, poses_);
+    keep();
+  }
+
   /// Moves the tiles apart until the extent no longer grows.
   void extend() {
     const double whole = run::pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
@@ -504,13 +485,13 @@ class Continuation {
       Poses moved = mechanism_.step(at, spread(at, pieces_, ascent_), budget_);
       if (isRounded()) mechanism_.settle(moved, budget_);
       mechanism_.restore(symmetries_, moved);
-      const Eigen::VectorXd move = displacement(bricks, at, moved);
+      const Eigen::VectorXd move = run::displacement(bricks, at, moved);
       if (move.norm() < least) {
         least = move.norm();
         best = moved;
         vain = 0;
       }
-      at = displaced(bricks, before, mixing.next(displacement(bricks, before, at), move));
+      at = displaced(bricks, before, mixing.next(run::displacement(bricks, before, at), move));
     }
     const bool isNear = run::pathDistance(bricks, before, best) < kFarthestRefined * stateLength_;
     if (!isNear || extent(best, pieces_) < (1 - kNoGain) * extent(before, pieces_)) return;
@@ -721,13 +702,15 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
   });
 }
 
-/// Ends a path at its last state before joints open by more than the rounding of the coordinates
-/// explains; see roundedReach().
+/// Ends a path at its last state with closed joints, within roundedReach() if the coordinates are
+/// rounded.
 void endBeforeJointsOpen(const scene::Scene& scene, run::MechanismPath& path) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  const double reach = scene.model.rounding > 0 ? run::roundedReach(scene.model)
+                                                : run::kOpenJoints * model::tileSize(scene.model);
   const auto isOpen = [&](const Poses& state) {
-    return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
+    return trajectory::jointGap(pivots, state).max > reach;
   };
   const auto open = std::ranges::find_if(path.states.begin() + 1, path.states.end(), isOpen);
   if (open == path.states.end()) return;
@@ -813,16 +796,20 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
   return back;
 }
 
-run::MechanismPath continueToExtension(const scene::Scene& scene, run::SearchBudget& budget,
+run::MechanismPath continueToExtension(const scene::Scene& scene, double jointStiffness,
+                                       run::SearchBudget& budget,
                                        const PathObserver& shouldContinue) {
   const Poses start =
       brick::startPoses(scene.model.tiles, brick::makeBricks(scene.model.tiles, scene.brick));
   const double closed = run::roundedJointStiffness(scene.model);
   const double before = budget.spent();
   run::MechanismPath path =
-      Continuation(scene, start, {.turnWeight = 1}, closed, budget, shouldContinue).toExtension();
-  if (!std::isfinite(closed)) return path;
+      Continuation(scene, start, {.turnWeight = 1, .jointStiffness = jointStiffness}, closed,
+                   budget, shouldContinue)
+          .toExtension();
+  if (jointStiffness < closed) return path;
   endBeforeJointsOpen(scene, path);
+  if (!std::isfinite(closed)) return path;
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);
 }
 

@@ -66,8 +66,10 @@ run::MechanismPath continueFromGoal(const scene::Scene& scene, std::vector<Poses
                                     const PathObserver& shouldContinue = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre. It ends at full
-/// extension, the maximum of the sum of squared distances from the centre.
-run::MechanismPath continueToExtension(const scene::Scene& scene, run::SearchBudget& budget,
+/// extension, the maximum of the sum of squared distances from the centre. Joints of finite
+/// `jointStiffness`, as in ContinuationSettings, open on the way and close at its end.
+run::MechanismPath continueToExtension(const scene::Scene& scene, double jointStiffness,
+                                       run::SearchBudget& budget,
                                        const PathObserver& shouldContinue = {});
 
 // ------------------------------------------------------------------------------------------------

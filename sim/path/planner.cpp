@@ -87,15 +87,18 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
 }
 
 /// The name of a candidate in summary.json.
+std::string describe(const char* guide, bool hasContacts, double jointStiffness) {
+  return fmt::format("{}, contacts {}, {}", guide, hasContacts ? "on" : "off",
+                     std::isinf(jointStiffness) ? "exact joints"
+                                                : fmt::format("joint ratio {:g}", jointStiffness));
+}
+
 std::string describe(const Candidate& candidate) {
   const char* guide = candidate.guide == Guide::OwnMotion    ? "motion of each tile"
                       : candidate.guide == Guide::FromTarget ? "backwards from the target"
                       : candidate.guide == Guide::GuidedRun  ? "guided run"
                                                              : "previous path";
-  const std::string joints = candidate.hasExactJoints()
-                                 ? "exact joints"
-                                 : fmt::format("joint ratio {:g}", candidate.jointStiffness);
-  return fmt::format("{}, contacts {}, {}", guide, candidate.hasContacts ? "on" : "off", joints);
+  return describe(guide, candidate.hasContacts, candidate.jointStiffness);
 }
 
 // A candidate may use this fraction of the budget, and the same again for each fifth of the guide
@@ -116,25 +119,6 @@ constexpr double kWithoutContactsShare = 0.6;
 constexpr int kFrames = 360;
 constexpr double kRoughAngle = 30 * kDegree;
 
-/// The velocities of all tiles between two states, relative to the time between them. Rotations
-/// count by their arc at the radius of gyration.
-std::vector<Vector3> velocitiesBetween(const std::vector<brick::Brick>& bricks, const Poses& from,
-                                       const Poses& to) {
-  std::vector<Vector3> velocities;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    velocities.push_back(to[i].position - from[i].position);
-    velocities.push_back(run::gyrationRadius(bricks[i]) *
-                         turnBetween(from[i].rotation, to[i].rotation));
-  }
-  return velocities;
-}
-
-double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
-  return sum;
-}
-
 /// The vertices of all tiles.
 std::vector<Vector3> verticesOf(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> vertices;
@@ -152,7 +136,8 @@ void measureRoughness(const std::vector<brick::Brick>& bricks, const run::Mechan
   if (!(path.length() > 0)) return;
   std::size_t next = 1;
   Poses before = path.states.front();
-  std::vector<Vector3> vertices = verticesOf(bricks, before), steps, velocities;
+  std::vector<Vector3> vertices = verticesOf(bricks, before), steps;
+  Eigen::VectorXd velocities;  // relative to the time between frames
   std::vector<double> meanSteps;
   for (int frame = 1; frame <= kFrames; ++frame) {
     const double length = frame * path.length() / kFrames;
@@ -162,10 +147,10 @@ void measureRoughness(const std::vector<brick::Brick>& bricks, const run::Mechan
         part > 0 ? std::clamp((length - path.lengths[next - 1]) / part, 0.0, 1.0) : 1;
     Poses now = interpolate(path.states[next - 1], path.states[next], share);
     std::vector<Vector3> there = verticesOf(bricks, now);
-    std::vector<Vector3> fresh = velocitiesBetween(bricks, before, now);
-    if (!velocities.empty()) {
-      const double norms = std::sqrt(dot(fresh, fresh) * dot(velocities, velocities));
-      const double cosine = norms > 0 ? std::clamp(dot(fresh, velocities) / norms, -1.0, 1.0) : 1;
+    Eigen::VectorXd fresh = run::displacement(bricks, before, now);
+    if (velocities.size() > 0) {
+      const double norms = fresh.norm() * velocities.norm();
+      const double cosine = norms > 0 ? std::clamp(fresh.dot(velocities) / norms, -1.0, 1.0) : 1;
       const double turn = std::acos(cosine);
       evaluation.largestTurn = std::max(evaluation.largestTurn, turn);
       if (turn > kRoughAngle) ++evaluation.roughFrames;
@@ -207,12 +192,16 @@ void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
       run::overlapMeter(scene.environment, bricks, pivots, states.front());
   run::StatesBetween between(scene, found);
   evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
-  for (std::size_t k = 0; k < states.size(); ++k) {
+  const auto noteOpening = [&](const Poses& poses) {
+    evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, poses).max);
+  };
+  if (found.hasCompliantJoints) noteOpening(states.front());
+  for (std::size_t k = 1; k < states.size(); ++k) {
     if (found.hasCompliantJoints) {
-      evaluation.opening =
-          std::max(evaluation.opening, trajectory::jointGap(pivots, states[k]).max);
+      noteOpening(between.at(k, 0.5));
+      noteOpening(states[k]);
     }
-    if (k == 0 || !mayTouch(scene)) continue;
+    if (!mayTouch(scene)) continue;
     const std::vector<Poses> moments = between.moments(k);
     std::vector<const Poses*> measured;
     for (const Poses& moment : moments) measured.push_back(&moment);
@@ -311,7 +300,7 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   budget.spend(part.spent());
   const run::PathEvaluation improved = after;
   // Smaller openings are equal, but tiles of rounded coordinates stay closed within the rounding.
-  const double closed = found.path.isRounded ? 0 : kOpeningStep * tile;
+  const double closed = found.path.isRounded ? run::roundedGap(scene.model) : kOpeningStep * tile;
   const bool isFreed = before.overlapGrowth > allowed && after.overlapGrowth <= allowed;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
       after.opening <= std::max(before.opening, closed) &&
@@ -625,22 +614,24 @@ class Planner {
 // ------------------------------------------------------------------------------------------------
 // Full extension.
 
-/// The path to full extension with these contacts. It may use a share of the remaining budget.
-run::GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts, double share,
-                             run::SearchBudget& budget, const run::TrialObserver& observer) {
+/// The path to full extension with these contacts and joints. It may use a share of the remaining
+/// budget.
+run::GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts,
+                             double jointStiffness, double share, run::SearchBudget& budget,
+                             const run::TrialObserver& observer) {
   scene::Scene trial = scene;
   trial.environment.contacts = contacts;
   run::SearchBudget part(share * budget.left());
   run::GeometricPath found;
-  found.path = continueToExtension(trial, part, [&](double) {
+  found.path = continueToExtension(trial, jointStiffness, part, [&](double) {
     return !observer || observer({kExtending, budget.share()});
   });
   budget.spend(part.spent());
-  found.hasCompliantJoints = found.path.isRounded;
+  found.hasCompliantJoints = found.path.isRounded || std::isfinite(jointStiffness);
   found.contacts = contacts;
-  found.evaluation.candidate = fmt::format("full extension, contacts {}",
-                                           contacts == scene::ContactFilter::None ? "off" : "on");
   found.evaluation.hasContacts = contacts != scene::ContactFilter::None;
+  found.evaluation.candidate =
+      describe("full extension", found.evaluation.hasContacts, jointStiffness);
   found.evaluation.work = part.spent();
   found.evaluation.end = found.path.isCutShort ? run::PathEnd::OutOfBudget : run::PathEnd::Arrived;
   evaluate(scene, found);
@@ -666,8 +657,14 @@ PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& neare
   return Planner(scene, nearest, budget, observer).find();
 }
 
+bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other) {
+  constexpr double kShorter = 0.98;
+  return other.path.length() < kShorter * path.path.length();
+}
+
 // Flush bricks may block each other. If the scene leaves contacts open, a sheet that does not move
-// is not accepted.
+// is not accepted. Tiles that do not fit each other may lock long before full extension. Joints
+// that open by less than kOpeningStep then lead farther.
 PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
                           const run::TrialObserver& observer) {
   const scene::ContactFilter requested = scene.environment.contacts;
@@ -681,10 +678,21 @@ PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
         !planned.path || PathOrder(scene).isBetter(found.evaluation, planned.path->evaluation);
     if (isBetter && !isHeld) planned.path = std::move(found);
   };
-  consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
+  const double ratio = scene.path.jointRatio;
+  consider(
+      extension(scene, scene::ContactFilter::None, ratio, kWithoutContactsShare, budget, observer));
   budget.limitByFirst(planned.candidates.front().work, scene.path.searchEffort);
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
-    consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
+    consider(extension(scene, contactsIfOn(requested), ratio, 1, budget, observer));
+  }
+  if (planned.path->path.isRounded) {
+    run::GeometricPath open =
+        extension(scene, planned.path->contacts, run::kMisfitRatio, 1, budget, observer);
+    planned.candidates.push_back(open.evaluation);
+    const bool isClosed = open.evaluation.opening < kOpeningStep * model::tileSize(scene.model);
+    const bool isBetter =
+        !isCollisionFree(scene, *planned.path) || extendsFarther(open, *planned.path);
+    if (isClosed && isBetter && isCollisionFree(scene, open)) planned.path = std::move(open);
   }
   run::SearchBudget smoothing(kSmoothingShare * budget.left());
   const auto improved = improve(scene, *planned.path, smoothing, [&](double) {

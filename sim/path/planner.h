@@ -35,6 +35,9 @@ bool overlaps(const scene::Scene& scene, const run::GeometricPath& found);
 PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
                      run::SearchBudget& budget, const run::TrialObserver& observer);
 
+/// Whether a path is longer than another by a difference that counts.
+bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other);
+
 /// The path to full extension of a scene without a target.
 PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
                           const run::TrialObserver& observer);

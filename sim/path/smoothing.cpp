@@ -837,25 +837,11 @@ class Smoothing {
     return poses;
   }
 
-  /// The cubic through the four states around the interval before state i (Lagrange).
+  /// The cubic through the four states around the interval before state i.
   Poses onCubic(const std::vector<double>& lengths, std::size_t i, double length) const {
     const std::size_t first = std::min(i > 2 ? i - 2 : 0, count() - 4);
-    Poses poses = states_[i];
-    std::vector<Vector3> turns(poses.size(), Vector3::Zero());
-    for (std::size_t k = first; k < first + 4; ++k) {
-      double weight = 1;
-      for (std::size_t m = first; m < first + 4; ++m) {
-        if (m != k) weight *= (length - lengths[m]) / (lengths[k] - lengths[m]);
-      }
-      for (std::size_t b = 0; b < poses.size(); ++b) {
-        poses[b].position += weight * (states_[k][b].position - states_[i][b].position);
-        turns[b] += weight * turnBetween(states_[i][b].rotation, states_[k][b].rotation);
-      }
-    }
-    for (std::size_t b = 0; b < poses.size(); ++b) {
-      poses[b].rotation = (rotationFromVector(turns[b]) * poses[b].rotation).normalized();
-    }
-    return poses;
+    return run::polynomialAt(length, std::span(lengths).subspan(first, 4),
+                             std::span(states_).subspan(first, 4), states_[i]);
   }
 
   const run::GeometricPath& found_;

@@ -146,10 +146,12 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   } else if (!found.closedWords.empty()) {
     words = found.closedWords;
   } else if (found.path.endsAtOpenJoints) {
-    words = fmt::format(
-        "the path ends at the last state with closed joints. Beyond it they open by more than ten "
-        "times {}, to which the model's tiles fit each other",
-        lengthText(scene.model.rounding, scene.model.unit, 1));
+    words = "the path ends at the last state with closed joints. Beyond it they open";
+    words +=
+        scene.model.rounding > 0
+            ? fmt::format(" by more than ten times {}, to which the model's tiles fit each other",
+                          lengthText(scene.model.rounding, scene.model.unit, 1))
+            : ", because the tiles do not fit each other";
   } else if (found.path.isCutShort) {
     words = "the path ends where the search stopped";
   } else if (!isExtension(scene, found.path)) {
@@ -198,12 +200,15 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
     : found_(found),
       tile_(model::tileSize(scene.model)),
       symmetries_(scene, found.path.symmetries),
-      bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
-      pivots_(brick::makePivots(scene.model.joints, bricks_)) {
+      bricks_(found.path.isRounded ? metricBricks(scene)
+                                   : brick::makeBricks(scene.model.tiles, scene.brick)),
+      pivots_(brick::makePivots(scene.model.joints, bricks_)),
+      closedGap_(roundedGap(scene.model)) {
   scene::Scene bare = scene;
   bare.environment = scene::Environment{};
   projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
                              brick::startPoses(scene.model.tiles, bricks_));
+  if (found.path.isRounded) projection_->setJointStiffness(roundedJointStiffness(scene.model));
 }
 
 bool StatesBetween::isOpen(const Poses& state) const {
@@ -211,33 +216,18 @@ bool StatesBetween::isOpen(const Poses& state) const {
          trajectory::jointGap(pivots_, state).max > model::kClosedShare * tile_;
 }
 
-// The cubic through the four surrounding states (Lagrange). Linear interpolation would open the
-// joints of rounded tiles by the square of a rotation.
+// The cubic through the four surrounding states (Lagrange).
 Poses StatesBetween::smoothAt(std::size_t state, double share) const {
   const std::vector<Poses>& states = found_.path.states;
   const std::vector<double>& lengths = found_.path.lengths;
   const std::size_t count = std::min(kSmoothStates, states.size());
   const std::size_t first = std::min(state > 2 ? state - 2 : 0, states.size() - count);
+  const std::span<const double> nodes = std::span(lengths).subspan(first, count);
+  if (std::ranges::adjacent_find(nodes) != nodes.end()) {
+    return interpolate(states[state - 1], states[state], share);
+  }
   const double length = lengths[state - 1] + share * (lengths[state] - lengths[state - 1]);
-  Poses poses = states[state - 1];
-  std::vector<Vector3> turns(poses.size(), Vector3::Zero());
-  for (std::size_t k = first; k < first + count; ++k) {
-    double weight = 1;
-    for (std::size_t m = first; m < first + count; ++m) {
-      if (m == k) continue;
-      if (lengths[m] == lengths[k]) return interpolate(states[state - 1], states[state], share);
-      weight *= (length - lengths[m]) / (lengths[k] - lengths[m]);
-    }
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Pose& origin = states[state - 1][i];
-      poses[i].position += weight * (states[k][i].position - origin.position);
-      turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
-    }
-  }
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
-  }
-  return poses;
+  return polynomialAt(length, nodes, std::span(states).subspan(first, count), states[state - 1]);
 }
 
 void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
@@ -246,17 +236,21 @@ void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
   }
 }
 
-// Joints that are closed in both states are closed again, or nearly, if tiles have a misfit. Open
-// compliant joints need not close: only the symmetry is restored.
+// Joints that are closed in both states are closed again. Those of tiles with a misfit close only
+// if they open more than in the states: near a singular state, closing them would move bricks far.
+// Open compliant joints need not close: only the symmetry is restored.
 Poses StatesBetween::at(std::size_t state, double share) {
   const Poses& from = found_.path.states[state - 1];
   const Poses& to = found_.path.states[state];
   if (share >= 1) return to;
   Poses poses = interpolate(from, to, share);
-  if (isOpen(from) || isOpen(to)) {
-    if (found_.path.isRounded) keepIfMoreClosed(smoothAt(state, share), poses);
+  if (found_.path.isRounded) {
+    if (trajectory::jointGap(pivots_, poses).max > closedGap_) {
+      settle(bricks_, closedGap_, *projection_, poses);
+    }
     return model::symmetricMean(poses, found_.path.symmetries);
   }
+  if (isOpen(from) || isOpen(to)) return model::symmetricMean(poses, found_.path.symmetries);
   if (!closeInPlace(poses, *projection_)) keepIfMoreClosed(smoothAt(state, share), poses);
   symmetries_.restore(poses, *projection_);
   return poses;

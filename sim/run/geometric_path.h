@@ -49,6 +49,7 @@ class StatesBetween {
   SymmetricStates symmetries_;
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
+  double closedGap_;                      // of tiles with a misfit, metres
   std::unique_ptr<Dynamics> projection_;  // closes joints
 };
 

