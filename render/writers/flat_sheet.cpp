@@ -1,5 +1,5 @@
-// A planar start is rotated to face +z: q n = z with the normal n of tile 0. Then z is dropped.
-// Heights may differ by at most 1e-6 of the model's size.
+// A planar start is rotated to face +z: q n = z with the normal n of the sheet, on the side of tile
+// 0. Then z is dropped.
 //
 // The gap angle at a corner is measured anticlockwise from the reversed edge that arrives there
 // (first tile) to the edge that leaves (second tile), 0 to 2 pi. Exchanging the tiles gives the
@@ -22,34 +22,45 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/brick/stiffness.h"
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::writers {
 namespace {
 
-constexpr double kPlanarStart = 1e-6;  ///< of the model size, allowed deviation of vertices from
-                                       ///< the plane
-
-/// Checks every vertex.
-void requireFlat(const model::Model& model, const Vector3& normal) {
+[[noreturn]] void refuseFolded(const model::Model& model) {
   const Vector3& origin = model.tiles[0].vertices[0];
-  const double allowed = kPlanarStart * model::modelSize(model);
-  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  const Vector3 normal = model::tileNormal(model.tiles[0]);
+  std::size_t farthest = 0;
+  double height = 0;
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
-    if (model::tileNormal(model.tiles[t]).dot(normal) < 0) {
-      throw InputError(
-          fmt::format("error: tile {} faces the other way than tile {}; a cut pattern "
-                      "needs all tiles on one side: reverse its vertices",
-                      first + t, first));
-    }
     for (const Vector3& vertex : model.tiles[t].vertices) {
-      const double height = std::abs((vertex - origin).dot(normal));
-      if (height <= allowed) continue;
-      throw InputError(
-          fmt::format("error: the start is not flat: tile {} reaches {} out of "
-                      "the plane of tile {}; only planar models have a cut pattern",
-                      first + t, lengthText(height, model.unit), first));
+      const double reached = std::abs((vertex - origin).dot(normal));
+      if (reached <= height) continue;
+      height = reached;
+      farthest = t;
     }
   }
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  throw InputError(
+      fmt::format("error: the start is not flat: tile {} reaches {} out of "
+                  "the plane of tile {}; only planar models have a cut pattern",
+                  first + farthest, lengthText(height, model.unit), first));
+}
+
+/// The normal of a flat start on the side of tile 0, where all tiles must face.
+Vector3 commonNormal(const model::Model& model) {
+  if (!model::sheetFrame(model)) refuseFolded(model);
+  Vector3 normal = model::meanNormal(model.tiles, model::tileNormal(model.tiles[0]));
+  if (model::tileNormal(model.tiles[0]).dot(normal) < 0) normal = -normal;
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
+    if (model::tileNormal(model.tiles[t]).dot(normal) > 0) continue;
+    throw InputError(
+        fmt::format("error: tile {} faces the other way than tile {}; a cut pattern "
+                    "needs all tiles on one side: reverse its vertices",
+                    first + t, first));
+  }
+  return normal;
 }
 
 /// Rounding can make the angle of a closed gap slightly negative. It counts as 0 and not as a full
@@ -80,10 +91,8 @@ Quaternion rotateUp(const Vector3& normal) {
 }  // namespace
 
 FlatSheet flatSheet(const model::Model& model) {
-  const Vector3 normal = model::tileNormal(model.tiles[0]);
-  requireFlat(model, normal);
   FlatSheet sheet;
-  sheet.turn = rotateUp(normal);
+  sheet.turn = rotateUp(commonNormal(model));
   sheet.height = (sheet.turn * model.tiles[0].vertices[0]).z();
   for (const model::Tile& tile : model.tiles) {
     FlatTile& flat = sheet.tiles.emplace_back();

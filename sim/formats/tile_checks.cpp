@@ -299,25 +299,11 @@ void notePadding(const TileTable& table, model::Model& model, std::vector<std::s
   noteRepair(std::move(repair), model, warnings);
 }
 
-namespace {
-
-// A sheet is flat if its vertices deviate from a plane by less than this fraction of its size.
-constexpr double kLevelStart = 1e-9;
-
-/// Maximum distance of vertices of a flat sheet from its plane, metres.
-double flatToleranceAsRead(const std::vector<model::Tile>& tiles, double size) {
-  // Rounded numbers may differ by their last digit. The factor allows for the precision of doubles.
-  return std::max(kLevelStart * size, 1.01 * roundingOf(tiles));
-}
-
-}  // namespace
-
 // Only the start decides: a tile has the same vertex order in every state.
 void turnClockwiseTiles(const TileTable& table, model::Model& model,
                         std::vector<std::string>& warnings) {
-  const double size = model::modelSize(model);
-  const std::optional<model::SheetFrame> frame =
-      model::sheetFrame(model.tiles, flatToleranceAsRead(model.tiles, size));
+  const double flat = model::flatTolerance(model::modelSize(model), roundingOf(model.tiles));
+  const std::optional<model::SheetFrame> frame = model::sheetFrame(model.tiles, flat);
   if (!frame) return;
   std::vector<bool> clockwise(model.tiles.size());
   std::transform(
@@ -327,9 +313,7 @@ void turnClockwiseTiles(const TileTable& table, model::Model& model,
   if (count == 0) return;
   // In a spatial sheet the orientation of tiles decides which side is the top face. Reversing all
   // tiles would swap the top and bottom joints.
-  const bool isFolded =
-      model.target &&
-      !model::isParallel(*frame, *model.target, flatToleranceAsRead(*model.target, size));
+  const bool isFolded = model.target && !model::isParallel(*frame, *model.target, flat);
   if (isFolded && count == std::ssize(model.tiles)) {
     warnings.push_back(
         fmt::format("{}: warning: all tiles run clockwise seen from above, so bricks extend "

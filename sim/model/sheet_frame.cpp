@@ -20,8 +20,11 @@ namespace {
 /// Smaller differences of area, as a fraction of the whole, do not choose the upper side.
 constexpr double kEvenArea = 1e-9;
 
-// Differences from rounding, as a fraction of the model's size.
+// Differences from the rounding of doubles, as a fraction of the model's size.
 constexpr double kFlat = 1e-9;
+// Differences from the rounding of the numbers in a file, in digits. Largest of 1,700 random planes
+// of 17 sheets: 3.1, of a target that is twice as wide as its start.
+constexpr double kFlatDigits = 5;
 
 /// Smaller relative differences of principal moments count as equal.
 constexpr double kEvenMoments = 1e-6;
@@ -46,7 +49,11 @@ Eigen::Vector2d rectangleSides(const std::vector<Eigen::Vector2d>& points, doubl
 }  // namespace
 
 double flatTolerance(const Model& model) {
-  return kFlat * modelSize(model);
+  return flatTolerance(modelSize(model), model.rounding);
+}
+
+double flatTolerance(double size, double rounding) {
+  return std::max(kFlat * size, kFlatDigits * rounding);
 }
 
 Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven) {

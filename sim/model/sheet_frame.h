@@ -64,8 +64,11 @@ std::optional<SheetFrame> sheetFrame(const Model& model);
 /// a tube or of a cap. Along z if all three are equal, as those of a cube.
 SheetFrame viewFrame(const Model& model);
 
-/// Tolerance of flatness: largest distance of a vertex from the plane, metres.
+/// Tolerance of flatness: largest distance of a vertex from the plane, metres. Rounded coordinates
+/// of a tilted sheet deviate by their last digit.
 double flatTolerance(const Model& model);
+/// The same for a model of this size and rounding, metres.
+double flatTolerance(double size, double rounding);
 
 /// The unit normal of tiles near one plane. It points to the side from which most of their area has
 /// anticlockwise vertices, or to the side of `ifEven` if both are equal. Needs at least one tile.
