@@ -376,10 +376,20 @@ picture::FrameSize parseSize(const scene::TypedValue& value) {
 }
 
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
-  // The unit is optional because only one is allowed.
-  std::string digits = value.text;
-  if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
-  return scene::parseNumber({value.name, digits}, range);
+  const std::size_t digits = value.text.find_last_of("0123456789.") + 1;
+  const std::string typed = value.text.substr(digits);
+  const std::optional<LengthUnit> given = findLengthUnit(typed.empty() ? unit : typed);
+  if (!given) {
+    std::vector<std::string> names;
+    for (const LengthUnit& known : lengthUnits()) names.push_back(known.name);
+    throw scene::valueError(
+        value, fmt::format("a number in {}, or with one of {}", unit, fmt::join(names, ", ")));
+  }
+  const double number = scene::parseNumber({value.name, value.text.substr(0, digits)}, {});
+  const double length = number * given->metres / findLengthUnit(unit)->metres;
+  if (range.holds(length)) return length;
+  throw scene::valueError(
+      value, fmt::format("a length from {:g} to {:g} {}", range.least, range.most, unit));
 }
 
 picture::GridShape parseGrid(const scene::TypedValue& value) {

@@ -38,7 +38,8 @@ inline bool has(const std::vector<std::string>& names, const std::string& name) 
 /// "1280x720": a valid frame size. Width before height, in pixels, each from 1 to kMaxFrameSide.
 picture::FrameSize parseSize(const scene::TypedValue& value);
 
-/// "180mm" or "7pt": a number with or without this unit. Returns the number.
+/// "180mm", "18cm" or "7pt": a number in `unit`, or with another one of lengthUnits(). Returns the
+/// length in `unit`. The range also is.
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range);
 
 /// "3x4": rows x columns, each 1 to 100.

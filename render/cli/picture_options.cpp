@@ -267,7 +267,8 @@ void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
 picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   picture::OutlineWidths widths;
   const double ratio = widths.silhouettes / widths.slits;
-  if (value.text.find("pt") == std::string::npos) {
+  const bool hasUnit = value.text.find_last_of("0123456789.") + 1 < value.text.size();
+  if (!hasUnit) {
     const double factor = scene::parseNumber(value, {0.1, 20});
     return {factor * widths.slits, factor * widths.silhouettes};
   }

@@ -106,6 +106,20 @@ TEST(OptionSize, ReadsWidthAndHeight) {
   }
 }
 
+TEST(OptionLength, HasAnyUnit) {
+  const auto width = [](const char* text) {
+    return cli::parseLength({"--width", text}, "mm", {1, 10000});
+  };
+  for (const char* text : {"180", "180mm", "18cm", "0.18m"}) EXPECT_NEAR(width(text), 180, 1e-13);
+  EXPECT_NEAR(width("7in"), 177.8, 1e-13);
+  EXPECT_NEAR(cli::parseLength({"--font-size", "2.54mm"}, "pt", {1, 200}), 7.2, 1e-13);
+  EXPECT_EQ(test::refusalOf([&] { width("18furlong"); }),
+            "error: --width: '18furlong' is not allowed; give a number in mm, or with one of nm, "
+            "um, mm, cm, m, km, in, pt, ft");
+  EXPECT_EQ(test::refusalOf([&] { width("0.01cm"); }),
+            "error: --width: '0.01cm' is not allowed; give a length from 1 to 10000 mm");
+}
+
 TEST(OptionGrid, ReadsRowsAndColumns) {
   EXPECT_EQ(cli::parseGrid({"--grid", "2x5"}), (picture::GridShape{2, 5}));
   EXPECT_EQ(
