@@ -615,6 +615,7 @@ class CutPatternReader {
     const auto asMaterial = [&]() -> std::optional<CutSheet> {
       if (!crossingOf(rings, false)) return std::nullopt;
       const auto material = materialRings(rings);
+      if (material.empty()) return std::nullopt;
       CutLines cuts;
       cuts.lines = segmentsOf(open);
       for (const auto& ring : material) appendRing(ring, cuts.lines);

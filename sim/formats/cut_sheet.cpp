@@ -269,12 +269,12 @@ class SheetMaker {
     for (const CutRay& ray : rays_) {
       if (!ray.isJoined || ray.stop == kNever) continue;
       isAny = true;
-      noteBend(ray);
+      noteDeviation(ray);
       if (!isOpenToStop(ray)) overlaps.push_back(ray.from);
-      for (auto& [first, last] : lines_) {
-        for (Vector2* end : {&first, &last}) {
-          if ((*end - ray.from).norm() <= tolerance_) *end = ray.stopPlace;
-        }
+      for (std::size_t k = 0; k < lines_.size(); ++k) {
+        const auto& [first, last] = cuts_.lines[k];
+        if ((first - ray.from).norm() <= tolerance_) lines_[k].first = ray.stopPlace;
+        if ((last - ray.from).norm() <= tolerance_) lines_[k].second = ray.stopPlace;
       }
     }
     if (!overlaps.empty()) {
@@ -295,7 +295,11 @@ class SheetMaker {
     const Vector2 across(-ray.along.y(), ray.along.x());
     double left = cuts_.kerf, right = -cuts_.kerf;
     for (const double side : crossingsOf(cuts_.border, back, across)) {
-      (side > 0 ? left : right) = side > 0 ? std::min(left, side) : std::max(right, side);
+      if (side > 0) {
+        left = std::min(left, side);
+      } else {
+        right = std::max(right, side);
+      }
     }
     for (const double side : {kWidth * left, kWidth * right}) {
       for (int k = 0; k <= kSamples; ++k) {
@@ -306,8 +310,8 @@ class SheetMaker {
     return true;
   }
 
-  /// Takes part in the deviation of cuts from their aim.
-  void noteBend(const CutRay& ray) {
+  /// Updates the largest deviation of a cut from its aim.
+  void noteDeviation(const CutRay& ray) {
     const Vector2 path = ray.stopPlace - ray.from;
     moved_ = std::max(moved_, std::abs(crossOf(ray.along, path)));
   }
@@ -320,7 +324,7 @@ class SheetMaker {
       if (ray.stop == kNever) continue;
       if (!ray.isJoined && ray.width() > widest) continue;
       isExtended_.insert(k);
-      noteBend(ray);
+      noteDeviation(ray);
       if (!ray.isJoined && ray.stop > tolerance_) addNeck(k);
     }
   }
@@ -532,7 +536,7 @@ class SheetMaker {
       }
       others.push_back({node, joints_.size()});
       hasNeck_[left] = hasNeck_[right] = true;
-      joints_.push_back({*half, left, right, ray.width(), materialOf(ray)});
+      joints_.push_back({*half, ray.width(), materialOf(ray)});
     }
   }
 
@@ -676,7 +680,7 @@ class SheetMaker {
   }
 
   struct FaceJoint {
-    int half, left, right;
+    int half;         // edge that ends at the joint
     double width;     // of the neck up to the joint, metres
     double material;  // of this width
   };

@@ -1400,10 +1400,9 @@ void writeFold(const model::Model& model, const fs::path& file) {
 //    at one face of each piece and proceeds outwards. Loops of edges are not checked here.
 //    Inconsistent angles leave open joints at the last edge of a loop, and the caller measures
 //    these.
-// 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), with the unit normals n and n'
-// of
-//    both faces. atan2 is accurate near 0 and near 180 degrees, unlike an arc cosine, which loses
-//    half of the digits.
+// 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), with the unit normals n and
+//    n' of both faces. atan2 is accurate near 0 and near 180 degrees, unlike an arc cosine, which
+//    loses half of the digits.
 //
 // Source: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
 // structures, Fall Workshop on Computational Geometry, 2016.

@@ -67,9 +67,9 @@ GEOSGeometry* GeosPlane::sum(const GEOSGeometry* a, const GEOSGeometry* b) {
 }
 
 GEOSGeometry* GeosPlane::grown(const GEOSGeometry* a, double by) {
-  const GEOSGeometry* buffer =
+  GEOSGeometry* buffer =
       keep(GEOSBufferWithStyle_r(handle_, a, by, 8, GEOSBUF_CAP_FLAT, GEOSBUF_JOIN_MITRE, 20));
-  if (GEOSisValid_r(handle_, buffer) == 1) return made_.back();
+  if (GEOSisValid_r(handle_, buffer) == 1) return buffer;
   // Without the lines that the repair leaves.
   return keep(GEOSBuffer_r(handle_, keep(GEOSMakeValid_r(handle_, buffer)), 0, 8));
 }
@@ -78,7 +78,7 @@ std::vector<PlaneRing> GeosPlane::rings(const GEOSGeometry* all, std::vector<Pla
   std::vector<PlaneRing> found;
   for (int k = 0; k < GEOSGetNumGeometries_r(handle_, all); ++k) {
     const GEOSGeometry* one = GEOSGetGeometryN_r(handle_, all, k);
-    if (GEOSGeomTypeId_r(handle_, one) != GEOS_POLYGON) continue;
+    if (GEOSGeomTypeId_r(handle_, one) != GEOS_POLYGON || GEOSisEmpty_r(handle_, one)) continue;
     found.push_back(ring(GEOSGetExteriorRing_r(handle_, one), true));
     for (int h = 0; h < GEOSGetNumInteriorRings_r(handle_, one); ++h) {
       (holes ? *holes : found).push_back(ring(GEOSGetInteriorRingN_r(handle_, one, h), false));

@@ -44,11 +44,12 @@ TipRing withoutStraight(const TipRing& ring, double tolerance) {
 /// star has a long perimeter too, but a wide middle.
 bool isSlender(const TipRing& ring) {
   constexpr double kSlender = 0.05;  // width / length
+  if (ringArea(ring) >= 0) return false;
   double perimeter = (ring.front() - ring.back()).norm();
   for (std::size_t k = 1; k < ring.size(); ++k) perimeter += (ring[k] - ring[k - 1]).norm();
   const double halfWidth = 0.25 * kSlender * perimeter;
   GeosPlane plane;
-  return ringArea(ring) < 0 && !(plane.area(plane.grown(plane.polygon(ring), -halfWidth)) > 0);
+  return !(plane.area(plane.grown(plane.polygon(ring), -halfWidth)) > 0);
 }
 
 /// The angle by which the direction turns clockwise, around the opening, (-pi, pi].
@@ -236,16 +237,23 @@ std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector
     return 2 * outside > std::ssize(within);
   };
   while (!rings.empty() && isFramed()) rings.erase(rings.begin());
-  for (TipRing& ring : rings) {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const TipRing& ring : rings) {
+    Eigen::AlignedBox2d& box = boxes.emplace_back();
+    for (const Vector2& point : ring) box.extend(point);
+  }
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    TipRing& ring = rings[r];
     // A ring may touch others at its corners, or cross them.
     std::ptrdiff_t odd = 0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const Vector2 middle = 0.5 * (ring[k] + ring[(k + 1) % ring.size()]);
-      odd += std::ranges::count_if(rings,
-                                   [&](const TipRing& other) {
-                                     return &other != &ring && isWithinRing(other, middle);
-                                   }) %
-             2;
+      bool isOdd = false;
+      for (std::size_t o = 0; o < rings.size(); ++o) {
+        if (o == r || !boxes[o].contains(middle)) continue;
+        if (isWithinRing(rings[o], middle)) isOdd = !isOdd;
+      }
+      odd += isOdd ? 1 : 0;
     }
     if ((ringArea(ring) > 0) != (2 * odd < std::ssize(ring))) std::ranges::reverse(ring);
   }

@@ -322,7 +322,7 @@ CentreLines centreLines(const std::vector<FacingEdges>& pairs, double kerf) {
   return centre;
 }
 
-/// Adds holes that are wider than slots, but those within a tile and reliefs.
+/// Adds holes that are wider than slots, except reliefs and holes within a tile.
 void takeHoles(const std::vector<PlaneRing>& holes, const CentreLines& centre, double tolerance,
                CutLines& cuts) {
   for (const PlaneRing& hole : holes) {

@@ -47,8 +47,8 @@ std::string readPlainText(const std::filesystem::path& file, const std::string& 
   const bool isLittle = text.starts_with("\xFF\xFE");
   if (isLittle || text.starts_with("\xFE\xFF")) {
     std::string narrow;
-    for (size_t k = 2; k + 1 < text.size(); k += 2) {
-      const auto byte = [&](size_t at) { return static_cast<unsigned char>(text[at]); };
+    for (std::size_t k = 2; k + 1 < text.size(); k += 2) {
+      const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(text[at]); };
       const unsigned letter = byte(isLittle ? k + 1 : k) * 256U + byte(isLittle ? k : k + 1);
       if (letter < 0x80) {
         narrow += static_cast<char>(letter);

@@ -750,7 +750,7 @@ TEST(CutPatterns, OpenSheetsComeBack) {
 }
 
 // Ellipses at the corners of 4 x 4 squares of 20 mm, alternately along x and y. Tips stop short of
-// the sides of other ellipses. On the border only those that cross it, so six necks are missing.
+// the sides of other ellipses. Those on the border end inside it at one tip.
 TEST(CutPatterns, EllipsesHaveTips) {
   for (const auto& [length, width] : {std::pair(15.0, 4.0), {12.0, 6.5}}) {
     std::string text = "<rect x=\"10\" y=\"10\" width=\"80\" height=\"80\"/>";
