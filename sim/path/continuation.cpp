@@ -702,17 +702,20 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
   });
 }
 
-/// Ends a path at its last state with closed joints, within roundedReach() if the coordinates are
-/// rounded.
-void endBeforeJointsOpen(const scene::Scene& scene, run::MechanismPath& path) {
+/// A test of a state for open joints: beyond roundedReach() if the coordinates are rounded.
+auto testForOpenJoints(const scene::Scene& scene) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   const double reach = scene.model.rounding > 0 ? run::roundedReach(scene.model)
                                                 : run::kOpenJoints * model::tileSize(scene.model);
-  const auto isOpen = [&](const Poses& state) {
+  return [pivots = brick::makePivots(scene.model.joints, bricks), reach](const Poses& state) {
     return trajectory::jointGap(pivots, state).max > reach;
   };
-  const auto open = std::ranges::find_if(path.states.begin() + 1, path.states.end(), isOpen);
+}
+
+/// Ends a path at its last state with closed joints.
+void endBeforeJointsOpen(const scene::Scene& scene, run::MechanismPath& path) {
+  const auto open =
+      std::ranges::find_if(path.states.begin() + 1, path.states.end(), testForOpenJoints(scene));
   if (open == path.states.end()) return;
   path.endsAtOpenJoints = true;
   path.states.erase(open, path.states.end());
@@ -807,7 +810,10 @@ run::MechanismPath continueToExtension(const scene::Scene& scene, double jointSt
       Continuation(scene, start, {.turnWeight = 1, .jointStiffness = jointStiffness}, closed,
                    budget, shouldContinue)
           .toExtension();
-  if (jointStiffness < closed) return path;
+  if (jointStiffness < closed) {
+    path.endsAtOpenJoints = testForOpenJoints(scene)(path.states.back());
+    return path;
+  }
   endBeforeJointsOpen(scene, path);
   if (!std::isfinite(closed)) return path;
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);

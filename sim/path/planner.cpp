@@ -110,8 +110,8 @@ constexpr double kRunPeriods = 12;
 constexpr double kGuidedStates = 200;
 // A final move to the nearest state is at most this fraction of a tile.
 constexpr double kLastMove = 1e-3;
-// The extension without contacts may use this fraction of the budget.
-constexpr double kWithoutContactsShare = 0.6;
+// One path to full extension may use this fraction of the budget, the last one all of it.
+constexpr double kExtensionShare = 0.6;
 // ------------------------------------------------------------------------------------------------
 // The evaluation.
 
@@ -658,8 +658,8 @@ PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& neare
 }
 
 bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other) {
-  constexpr double kShorter = 0.98;
-  return other.path.length() < kShorter * path.path.length();
+  constexpr double kFarther = 1.02;
+  return path.path.length() > kFarther * other.path.length();
 }
 
 // Flush bricks may block each other. If the scene leaves contacts open, a sheet that does not move
@@ -679,17 +679,17 @@ PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
     if (isBetter && !isHeld) planned.path = std::move(found);
   };
   const double ratio = scene.path.jointRatio;
-  consider(
-      extension(scene, scene::ContactFilter::None, ratio, kWithoutContactsShare, budget, observer));
+  consider(extension(scene, scene::ContactFilter::None, ratio, kExtensionShare, budget, observer));
   budget.limitByFirst(planned.candidates.front().work, scene.path.searchEffort);
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), ratio, 1, budget, observer));
   }
   if (planned.path->path.isRounded) {
-    run::GeometricPath open =
-        extension(scene, planned.path->contacts, run::kMisfitRatio, 1, budget, observer);
+    run::GeometricPath open = extension(scene, planned.path->contacts, run::kMisfitRatio,
+                                        kExtensionShare, budget, observer);
     planned.candidates.push_back(open.evaluation);
-    const bool isClosed = open.evaluation.opening < kOpeningStep * model::tileSize(scene.model);
+    const bool isClosed = !open.path.endsAtOpenJoints &&
+                          open.evaluation.opening < kOpeningStep * model::tileSize(scene.model);
     const bool isBetter =
         !isCollisionFree(scene, *planned.path) || extendsFarther(open, *planned.path);
     if (isClosed && isBetter && isCollisionFree(scene, open)) planned.path = std::move(open);

@@ -35,7 +35,7 @@ bool overlaps(const scene::Scene& scene, const run::GeometricPath& found);
 PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
                      run::SearchBudget& budget, const run::TrialObserver& observer);
 
-/// Whether a path is longer than another by a difference that counts.
+/// Whether a path is longer than another by more than 2%.
 bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other);
 
 /// The path to full extension of a scene without a target.

@@ -145,6 +145,8 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
     words = endNearTarget(scene, found, error, nearest);
   } else if (!found.closedWords.empty()) {
     words = found.closedWords;
+  } else if (found.path.endsAtOpenJoints && found.hasCompliantJoints && !found.path.isRounded) {
+    words = "the path ends at full extension, where joints do not close";
   } else if (found.path.endsAtOpenJoints) {
     words = "the path ends at the last state with closed joints. Beyond it they open";
     words +=
@@ -237,7 +239,8 @@ void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
 }
 
 // Joints that are closed in both states are closed again. Those of tiles with a misfit close only
-// if they open more than in the states: near a singular state, closing them would move bricks far.
+// if they open by more than roundedGap(): near a singular state, closing them would move bricks
+// far.
 // Open compliant joints need not close: only the symmetry is restored.
 Poses StatesBetween::at(std::size_t state, double share) {
   const Poses& from = found_.path.states[state - 1];

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kirireel::run {
 namespace {
 
-constexpr int kSettlingMoves = 4;
+constexpr int kSettlingMoves = 4;  // maximum in settle()
 
 Vector3 commonCentre(const Poses& poses) {
   Vector3 sum = Vector3::Zero();

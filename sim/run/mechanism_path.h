@@ -21,7 +21,7 @@ struct MechanismPath {
   double error = 0;               ///< target error at the end, metres; 0 without a target
   bool isStuck = false;           ///< the path ended early: the bricks no longer follow the guide
   bool isCutShort = false;        ///< the budget was spent or the caller stopped
-  bool endsAtOpenJoints = false;  ///< the next states open joints by more than rounding explains
+  bool endsAtOpenJoints = false;  ///< joints would open beyond the end, or are open at it
   bool isRounded = false;         ///< joints close only within the rounding of the coordinates
   std::vector<model::Symmetry> symmetries;  ///< model symmetries that all states have; a group
 

@@ -188,8 +188,8 @@ TEST(RoundedSheets, WithCornersLeftOpenExtendFully) {
     const double radius = endRadius(extended(exact)), tile = model::tileSize(exact);
     for (const double share : {1e-6, 3e-5, 1e-4}) {
       const run::DeploymentResult run = extended(leftOpen(exact, share * tile));
-      EXPECT_NEAR(endRadius(run), radius, 1e-4 * radius) << family << share << run.reason;
-      EXPECT_LE(largestOpening(run), 1e-3 * tile) << family << share;
+      EXPECT_NEAR(endRadius(run), radius, 2e-5 * radius) << family << share << run.reason;
+      EXPECT_LE(largestOpening(run), 5e-4 * tile) << family << share;
       EXPECT_EQ(run.shortfall, "") << family << share;
     }
   }

@@ -617,8 +617,7 @@ TEST(Continuation, ExtendsTilesThatFitToATolerance) {
 }
 
 /// Corners of each tile moved by a thousandth: no state closes the joints. Such a run stays at its
-/// start and is no success. Measured: joints are
-/// open by 2.1e-3 there.
+/// start and is no success. Measured: joints are open by 2.1e-3 m there.
 TEST(Continuation, ReportsTilesThatDoNotFit) {
   model::Model model = generate::generateModel(generate::familyNamed("quads"), {});
   model.target.reset();
@@ -628,7 +627,8 @@ TEST(Continuation, ReportsTilesThatDoNotFit) {
     for (Vector3& vertex : tile.vertices) vertex += Vector3(part(random), part(random), 0);
   }
   const run::DeploymentResult run = deploy::deploy(sceneOf(model), 1, nullptr);
-  EXPECT_LE(run.accuracy.jointGapEnd, 3e-3);
+  const double atStart = model::largestJointGap(model.joints, model.tiles);
+  EXPECT_LE(run.accuracy.jointGapEnd, 1.01 * atStart);
   EXPECT_THAT(run.shortfall, testing::HasSubstr("the tiles do not fit each other"));
 }
 
