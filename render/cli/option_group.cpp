@@ -376,17 +376,17 @@ picture::FrameSize parseSize(const scene::TypedValue& value) {
 }
 
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
-  const std::size_t digits = value.text.find_last_of("0123456789.") + 1;
-  const std::string typed = value.text.substr(digits);
-  const std::optional<LengthUnit> given = findLengthUnit(typed.empty() ? unit : typed);
-  if (!given) {
+  const std::size_t end = value.text.find_last_of("0123456789.") + 1;
+  const std::string name = value.text.substr(end);
+  const std::optional<LengthUnit> given = findLengthUnit(name.empty() ? unit : name);
+  const std::optional<double> number = scene::readNumber(value.text.substr(0, end));
+  if (!given || !number) {
     std::vector<std::string> names;
     for (const LengthUnit& known : lengthUnits()) names.push_back(known.name);
     throw scene::valueError(
         value, fmt::format("a number in {}, or with one of {}", unit, fmt::join(names, ", ")));
   }
-  const double number = scene::parseNumber({value.name, value.text.substr(0, digits)}, {});
-  const double length = number * given->metres / findLengthUnit(unit)->metres;
+  const double length = inUnit(*number * given->metres, *findLengthUnit(unit));
   if (range.holds(length)) return length;
   throw scene::valueError(
       value, fmt::format("a length from {:g} to {:g} {}", range.least, range.most, unit));

@@ -39,7 +39,7 @@ inline bool has(const std::vector<std::string>& names, const std::string& name) 
 picture::FrameSize parseSize(const scene::TypedValue& value);
 
 /// "180mm", "18cm" or "7pt": a number in `unit`, or with another one of lengthUnits(). Returns the
-/// length in `unit`. The range also is.
+/// length in `unit`, which is also the unit of the range.
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range);
 
 /// "3x4": rows x columns, each 1 to 100.

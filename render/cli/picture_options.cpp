@@ -267,12 +267,12 @@ void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
 picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   picture::OutlineWidths widths;
   const double ratio = widths.silhouettes / widths.slits;
-  const bool hasUnit = value.text.find_last_of("0123456789.") + 1 < value.text.size();
-  if (!hasUnit) {
+  const std::vector<std::string> words = parseWords(value.text);
+  const bool isFactor = value.text.find_first_not_of("0123456789.") == std::string::npos;
+  if (isFactor) {
     const double factor = scene::parseNumber(value, {0.1, 20});
     return {factor * widths.slits, factor * widths.silhouettes};
   }
-  const std::vector<std::string> words = parseWords(value.text);
   if (words.size() > 2) {
     throw scene::valueError(value, "one or two widths, for example 0.5pt or 0.5pt,0.75pt");
   }

@@ -110,9 +110,11 @@ TEST(OptionLength, HasAnyUnit) {
   const auto width = [](const char* text) {
     return cli::parseLength({"--width", text}, "mm", {1, 10000});
   };
-  for (const char* text : {"180", "180mm", "18cm", "0.18m"}) EXPECT_NEAR(width(text), 180, 1e-13);
-  EXPECT_NEAR(width("7in"), 177.8, 1e-13);
-  EXPECT_NEAR(cli::parseLength({"--font-size", "2.54mm"}, "pt", {1, 200}), 7.2, 1e-13);
+  for (const char* text : {"180", "180mm", "18cm", "0.18m"}) EXPECT_EQ(width(text), 180);
+  EXPECT_EQ(width("31.4"), 31.4);
+  EXPECT_DOUBLE_EQ(width("7in"), 177.8);
+  EXPECT_EQ(cli::parseLength({"--font-size", "30"}, "pt", {1, 200}), 30);
+  EXPECT_DOUBLE_EQ(cli::parseLength({"--font-size", "2.54mm"}, "pt", {1, 200}), 7.2);
   EXPECT_EQ(test::refusalOf([&] { width("18furlong"); }),
             "error: --width: '18furlong' is not allowed; give a number in mm, or with one of nm, "
             "um, mm, cm, m, km, in, pt, ft");
