@@ -182,7 +182,7 @@ bool isWithin(const std::vector<PlaneSegment>& lines, const Vector2& point) {
   return isInside;
 }
 
-bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point) {
+bool isWithinRing(const PlaneRing& ring, const Vector2& point) {
   bool isInside = false;
   for (std::size_t k = 0; k < ring.size(); ++k) {
     isInside = isInside != crossesRay(ring[k], ring[(k + 1) % ring.size()], point);
@@ -190,7 +190,12 @@ bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point) {
   return isInside;
 }
 
-double ringArea(const std::vector<Vector2>& ring) {
+bool areWithinRing(const PlaneRing& ring, const std::vector<Vector2>& points) {
+  return std::ranges::all_of(points,
+                             [&](const Vector2& point) { return isWithinRing(ring, point); });
+}
+
+double ringArea(const PlaneRing& ring) {
   double twice = 0;
   for (std::size_t k = 0; k < ring.size(); ++k) {
     // Relative to the first point, which keeps the precision of distant positions.

@@ -38,6 +38,9 @@ class PointNumbers {
 /// A straight segment, metres.
 using PlaneSegment = std::pair<Vector2, Vector2>;
 
+/// A closed polygon without its last point, metres.
+using PlaneRing = std::vector<Vector2>;
+
 /// The z of the cross product.
 inline double crossOf(const Vector2& a, const Vector2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -96,7 +99,7 @@ class Arrangement {
 };
 
 /// Appends the sides of a closed polygon.
-inline void appendRing(const std::vector<Vector2>& ring, std::vector<PlaneSegment>& segments) {
+inline void appendRing(const PlaneRing& ring, std::vector<PlaneSegment>& segments) {
   for (std::size_t k = 0; k < ring.size(); ++k) {
     segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
   }
@@ -106,10 +109,12 @@ inline void appendRing(const std::vector<Vector2>& ring, std::vector<PlaneSegmen
 bool isWithin(const std::vector<PlaneSegment>& lines, const Vector2& point);
 
 /// The same for one closed polygon.
-bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point);
+bool isWithinRing(const PlaneRing& ring, const Vector2& point);
+/// Whether all points are.
+bool areWithinRing(const PlaneRing& ring, const std::vector<Vector2>& points);
 
 /// The area of a closed polygon, > 0 if anticlockwise.
-double ringArea(const std::vector<Vector2>& ring);
+double ringArea(const PlaneRing& ring);
 
 /// The points of a chain to keep, including both ends, for a simplification within the tolerance
 /// (D. H. Douglas, T. K. Peucker 1973).

@@ -516,7 +516,7 @@ class CutPatternReader {
 
   /// Whether each line of a group, all closed, is a relief at the end of a slit.
   bool areReliefs(const LineGroup& group, std::vector<const DrawnPath*> others) const {
-    std::vector<std::vector<Vector2>> rings;
+    std::vector<PlaneRing> rings;
     for (const DrawnPath* path : group.paths) rings.push_back(path->points);
     const std::size_t count = others.size();
     others.insert(others.end(), group.paths.begin(), group.paths.end());
@@ -633,8 +633,7 @@ class CutPatternReader {
   }
 
   /// A place where a closed line crosses itself, or another one; absent if there is none.
-  std::optional<Vector2> crossingOf(const std::vector<std::vector<Vector2>>& rings,
-                                    bool isItself) const {
+  std::optional<Vector2> crossingOf(const std::vector<PlaneRing>& rings, bool isItself) const {
     std::vector<PlaneSegment> sides;
     std::vector<std::size_t> ringOf;
     for (std::size_t k = 0; k < rings.size(); ++k) {
@@ -663,18 +662,16 @@ class CutPatternReader {
   }
 
   /// Refuses outlines of sheets, with cuts inside, that cross each other.
-  void requireApart(const std::vector<std::vector<Vector2>>& rings,
+  void requireApart(const std::vector<PlaneRing>& rings,
                     const std::vector<const DrawnPath*>& open) const {
     constexpr int kCuts = 2;  // a slot or a hole may hold a mark
-    std::vector<std::vector<Vector2>> sheets;
+    std::vector<PlaneRing> sheets;
     for (const std::vector<Vector2>& ring : rings) {
-      const auto holds = [&](const std::vector<Vector2>& points) {
-        return std::ranges::all_of(points,
-                                   [&](const Vector2& point) { return isWithinRing(ring, point); });
-      };
-      const auto cuts =
-          std::ranges::count_if(rings, holds) +
-          std::ranges::count_if(open, [&](const DrawnPath* path) { return holds(path->points); });
+      const auto cuts = std::ranges::count_if(
+                            rings, [&](const PlaneRing& cut) { return areWithinRing(ring, cut); }) +
+                        std::ranges::count_if(open, [&](const DrawnPath* path) {
+                          return areWithinRing(ring, path->points);
+                        });
       if (cuts >= kCuts) sheets.push_back(ring);
     }
     if (const std::optional<Vector2> place = crossingOf(sheets, false)) {
@@ -742,7 +739,7 @@ class CutPatternReader {
 
   /// Outlines of sheets and slots must not cross themselves. If more than two lines meet at a
   /// point, the outline is ambiguous.
-  void requireSimple(const std::vector<std::vector<Vector2>>& rings) const {
+  void requireSimple(const std::vector<PlaneRing>& rings) const {
     PointNumbers numbers(tolerance_, rings.front().front());
     std::vector<int> uses;
     for (const std::vector<Vector2>& ring : rings) {
@@ -752,7 +749,7 @@ class CutPatternReader {
         ++uses[number];
       }
     }
-    std::vector<std::vector<Vector2>> own;
+    std::vector<PlaneRing> own;
     std::ranges::copy_if(rings, std::back_inserter(own), [&](const std::vector<Vector2>& ring) {
       return std::ranges::all_of(
           ring, [&](const Vector2& point) { return uses[*numbers.find(point)] == 1; });
@@ -832,8 +829,8 @@ class CutPatternReader {
   }
 
   /// Removes relief circles at the ends of slits. The slit then ends on their far side.
-  void takeReliefs(std::vector<const DrawnPath*>& paths,
-                   const std::vector<std::vector<Vector2>>& rings, CutLines& cuts) const {
+  void takeReliefs(std::vector<const DrawnPath*>& paths, const std::vector<PlaneRing>& rings,
+                   CutLines& cuts) const {
     std::vector<Vector2> firsts, lasts;
     std::vector<double> lengths;
     for (const DrawnPath* path : paths) {
@@ -871,10 +868,10 @@ class CutPatternReader {
 
   /// The tips of closed outlines, and their openings. `rings`: the closed lines, which count if
   /// other lines connect them.
-  static void takeTips(std::vector<std::vector<Vector2>> rings, double tolerance, CutLines& cuts) {
+  static void takeTips(std::vector<PlaneRing> rings, double tolerance, CutLines& cuts) {
     Arrangement closed(cuts.lines, tolerance);
     closed.dropBridges();
-    std::vector<std::vector<Vector2>> found;
+    std::vector<PlaneRing> found;
     std::vector<PlaneSegment> near;
     bool areApart = true;
     for (int c = 0; c < std::ssize(closed.cycles()); ++c) {

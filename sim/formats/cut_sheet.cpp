@@ -163,7 +163,7 @@ class SheetMaker {
   /// Removes short pieces of cuts beyond the border of their sheet.
   void dropBeyondBorder(const Arrangement& lines) {
     const std::vector<int> parts = lines.parts();
-    std::vector<std::vector<Vector2>> rings;
+    std::vector<PlaneRing> rings;
     std::vector<int> ringParts;
     for (int c = 0; c < std::ssize(lines.cycles()); ++c) {
       if (lines.areaOf(c) <= 0) continue;

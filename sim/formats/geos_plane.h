@@ -5,12 +5,9 @@
 
 #include <geos_c.h>
 
-#include "sim/formats/drawing.h"
+#include "sim/formats/arrangement.h"
 
 namespace kirireel::formats {
-
-/// A closed polygon without its last point, metres.
-using PlaneRing = std::vector<Vector2>;
 
 /// A GEOS context with the objects that it made. Throws InputError if GEOS fails.
 class GeosPlane {

@@ -18,8 +18,6 @@
 namespace kirireel::formats {
 namespace {
 
-using TipRing = std::vector<Vector2>;
-
 // Maximum deviation of a tip's direction from another tip, as a fraction of the distance. Rounding
 // and fillets bend short tips.
 constexpr double kTipAim = 0.25;
@@ -28,8 +26,8 @@ constexpr double kLeastTurn = std::numbers::pi / 6;  // of the sides, radians
 constexpr std::size_t kMostVertices = 40;            // of a tip
 
 /// The ring without vertices on straight lines.
-TipRing withoutStraight(const TipRing& ring, double tolerance) {
-  TipRing kept;
+PlaneRing withoutStraight(const PlaneRing& ring, double tolerance) {
+  PlaneRing kept;
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Vector2& before = kept.empty() ? ring.back() : kept.back();
     const Vector2 whole = ring[(k + 1) % ring.size()] - before, part = ring[k] - before;
@@ -42,7 +40,7 @@ TipRing withoutStraight(const TipRing& ring, double tolerance) {
 
 /// Whether a ring is a slot: a strip along half of its perimeter that is much longer than wide. A
 /// star has a long perimeter too, but a wide middle.
-bool isSlender(const TipRing& ring) {
+bool isSlender(const PlaneRing& ring) {
   constexpr double kSlender = 0.05;  // width / length
   if (ringArea(ring) >= 0) return false;
   double perimeter = (ring.front() - ring.back()).norm();
@@ -64,7 +62,7 @@ struct TipChain {
 
 class RingTips {
  public:
-  explicit RingTips(const TipRing& ring) : ring_(ring) {}
+  explicit RingTips(const PlaneRing& ring) : ring_(ring) {}
 
   std::vector<OpeningTip> find() const {
     std::vector<TipChain> chains;
@@ -129,7 +127,7 @@ class RingTips {
     return tip;
   }
 
-  const TipRing& ring_;
+  const PlaneRing& ring_;
 };
 
 /// The tips of smooth openings, such as ellipses: the points of a chain that are farthest from its
@@ -137,7 +135,7 @@ class RingTips {
 /// ellipse at the border of a sheet.
 class SmoothTips {
  public:
-  explicit SmoothTips(const TipRing& ring) : ring_(ring) {}
+  explicit SmoothTips(const PlaneRing& ring) : ring_(ring) {}
 
   std::vector<OpeningTip> find() {
     std::vector<std::size_t> breaks;
@@ -163,7 +161,7 @@ class SmoothTips {
     return turnOf(at(k) - before, at(k + 1) - at(k));
   }
 
-  static Vector2 middleOf(const TipRing& ring) {
+  static Vector2 middleOf(const PlaneRing& ring) {
     Vector2 sum(0, 0);
     double whole = 0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -200,7 +198,7 @@ class SmoothTips {
     }
   }
 
-  const TipRing& ring_;
+  const PlaneRing& ring_;
   std::vector<OpeningTip> tips_;
 };
 
@@ -224,12 +222,13 @@ void dropAims(const std::vector<OpeningTip>& tips, double tolerance, std::vector
 
 }  // namespace
 
-std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector<Vector2>& within) {
+std::vector<PlaneRing> orientedRings(std::vector<PlaneRing> rings,
+                                     const std::vector<Vector2>& within) {
   std::ranges::stable_sort(rings, std::greater<>(),
-                           [](const TipRing& ring) { return std::abs(ringArea(ring)); });
+                           [](const PlaneRing& ring) { return std::abs(ringArea(ring)); });
   const auto depthOf = [&](const Vector2& point) {
     return std::ranges::count_if(rings,
-                                 [&](const TipRing& ring) { return isWithinRing(ring, point); });
+                                 [&](const PlaneRing& ring) { return isWithinRing(ring, point); });
   };
   const auto isFramed = [&] {
     const auto outside = std::ranges::count_if(
@@ -238,12 +237,12 @@ std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector
   };
   while (!rings.empty() && isFramed()) rings.erase(rings.begin());
   std::vector<Eigen::AlignedBox2d> boxes;
-  for (const TipRing& ring : rings) {
+  for (const PlaneRing& ring : rings) {
     Eigen::AlignedBox2d& box = boxes.emplace_back();
     for (const Vector2& point : ring) box.extend(point);
   }
   for (std::size_t r = 0; r < rings.size(); ++r) {
-    TipRing& ring = rings[r];
+    PlaneRing& ring = rings[r];
     // A ring may touch others at its corners, or cross them.
     std::ptrdiff_t odd = 0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -260,11 +259,11 @@ std::vector<TipRing> orientedRings(std::vector<TipRing> rings, const std::vector
   return rings;
 }
 
-std::vector<OpeningTip> openingTips(const std::vector<TipRing>& rings, double tolerance) {
+std::vector<OpeningTip> openingTips(const std::vector<PlaneRing>& rings, double tolerance) {
   std::vector<OpeningTip> tips;
-  for (const TipRing& ring : rings) {
+  for (const PlaneRing& ring : rings) {
     if (isSlender(ring)) continue;
-    const TipRing corners = withoutStraight(ring, tolerance);
+    const PlaneRing corners = withoutStraight(ring, tolerance);
     if (corners.size() < 3) continue;
     std::vector<OpeningTip> found = RingTips(corners).find();
     if (found.empty()) found = SmoothTips(corners).find();

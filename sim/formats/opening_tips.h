@@ -21,13 +21,12 @@ struct OpeningTip {
 
 /// Rings with material on their left: outlines anticlockwise, openings in them clockwise. Outer
 /// rings without any of `within` in their material are frames of a page and are dropped.
-std::vector<std::vector<Vector2>> orientedRings(std::vector<std::vector<Vector2>> rings,
-                                                const std::vector<Vector2>& within);
+std::vector<PlaneRing> orientedRings(std::vector<PlaneRing> rings,
+                                     const std::vector<Vector2>& within);
 
 /// The tips of openings with an angle of at most 150 degrees, except of slots. Rings have material
 /// on their left.
-std::vector<OpeningTip> openingTips(const std::vector<std::vector<Vector2>>& rings,
-                                    double tolerance);
+std::vector<OpeningTip> openingTips(const std::vector<PlaneRing>& rings, double tolerance);
 
 /// The rays of the tips up to the next line, in the order of the tips. Tips of one kind that face
 /// each other stop midway. A ray that has no use has no stop: other lines leave its tip, or it runs

@@ -28,10 +28,6 @@
 namespace kirireel::formats {
 namespace {
 
-bool holds(const PlaneRing& outer, const PlaneRing& inner) {
-  return std::ranges::all_of(inner, [&](const Vector2& p) { return isWithinRing(outer, p); });
-}
-
 std::vector<PlaneSegment> segmentsOf(const std::vector<PlaneRing>& rings) {
   std::vector<PlaneSegment> segments;
   for (const PlaneRing& ring : rings) appendRing(ring, segments);
@@ -188,7 +184,7 @@ void dropFrames(std::vector<PlaneRing>& rings, std::map<std::string, int>& leftO
                            [](const PlaneRing& ring) { return std::abs(ringArea(ring)); });
   const auto holdsFrom = [&](std::size_t outer) {
     return std::all_of(rings.begin() + static_cast<std::ptrdiff_t>(outer) + 1, rings.end(),
-                       [&](const PlaneRing& ring) { return holds(rings[outer], ring); });
+                       [&](const PlaneRing& ring) { return areWithinRing(rings[outer], ring); });
   };
   while (rings.size() > 2 && holdsFrom(0) && holdsFrom(1)) {
     rings.erase(rings.begin());
