@@ -232,6 +232,7 @@ void writeModel(ArrayWriter& file, const model::Model& model) {
   file.setAttribute("model", "name", model.name);
   // Unit of the model's files and of exports; arrays are in metres.
   file.setAttribute("model", "unit", model.unit.name);
+  if (model.rounding > 0) file.setAttribute("model", "rounding", model.rounding);
   file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
@@ -893,6 +894,9 @@ class SubjectReader {
     model::Model model;
     model.name = file_.textAttribute("model", "name");
     model.unit = readUnit();
+    if (file_.hasAttribute("model", "rounding")) {
+      model.rounding = file_.numberAttribute("model", "rounding");
+    }
     model.tiles = tiles("model/vertices", sizes_);
     if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
     for (std::size_t k = 0; file_.has(layout::waypoint(k)); ++k) {

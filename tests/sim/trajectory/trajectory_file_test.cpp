@@ -176,6 +176,7 @@ std::string refusalOf(const std::filesystem::path& file) {
 TEST(TrajectoryFile, KeepsEveryBit) {
   const TemporaryFolder folder;
   trajectory::Trajectory written = randomTrajectory(7);
+  written.model.rounding = 1e-6;
   written.model.pulledTiles = {0, 3};
   written.model.foldAngles = {{{0, 1}, 0.5}, {{1, 0}, 0.5}};
   std::mt19937_64 generator(2);
@@ -190,6 +191,7 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
   expectSameValue(read.bricks, written.bricks, "bricks");
+  EXPECT_EQ(read.model.rounding, 1e-6);
   EXPECT_EQ(read.ground->height, -0.25);
   EXPECT_EQ(read.ground->friction, 0.125);
   EXPECT_EQ(read.events, written.events);
