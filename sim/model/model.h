@@ -52,7 +52,7 @@ enum class JointKind {
 
 /// The material at a joint of a cut sheet: a neck next to the end of a cut.
 struct Neck {
-  double width = 0;   ///< from the end of the cut to the joint, metres, > kerf / 2; 0: unknown
+  double width = 0;   ///< its material plus half the kerf, metres, > kerf / 2; 0: unknown
   double length = 0;  ///< from tile to tile across the cut, metres, >= kerf
   double kerf = 0;    ///< width of the cuts, metres, >= 0
 
