@@ -84,7 +84,7 @@ TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
                                         scratch.path().string(), "--export", "obj,dxf"});
     EXPECT_EQ(end.exitCode, 2);
     EXPECT_EQ(end.err,
-              "kirireel: error: the start is not flat: tile 6 reaches 1.73 m out of the plane of "
+              "kirireel: error: the start is not flat: tile 18 reaches 3.46 m out of the plane of "
               "tile 0; only planar models have a cut pattern\n");
     EXPECT_THAT(filesIn(scratch.path()), ElementsAre());
   }
