@@ -92,7 +92,7 @@ class SheetMaker {
     std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
                                    model.tiles.size() == 1 ? "" : "s", model.joints.size(),
                                    model.joints.size() == 1 ? "" : "s");
-    if (joints_.empty()) text += " (to find more, set --neck-width, or --cut and --ignore)";
+    if (joints_.empty()) text += " (to find more, set `neck_width`, or `cut` and `ignore`)";
     if (!joints_.empty()) {
       const auto [narrowest, widest] = std::ranges::minmax_element(joints_, {}, &FaceJoint::width);
       text += widest->width - narrowest->width <= 0.01 * widest->width

@@ -753,8 +753,8 @@ TEST(CutPatterns, WithoutHingesNameTheOptions) {
   EXPECT_THAT(read("a.svg", page("<rect x=\"10\" y=\"10\" width=\"80\" height=\"80\"/>"
                                  "<circle cx=\"50\" cy=\"50\" r=\"20\"/>"))
                   .note,
-              HasSubstr("1 tile and 0 hinges (to find more, set --neck-width, or --cut and "
-                        "--ignore)"));
+              HasSubstr("1 tile and 0 hinges (to find more, set `neck_width`, or `cut` and "
+                        "`ignore`)"));
 }
 
 // Ellipses at the corners of 4 x 4 squares of 20 mm, alternately along x and y. Tips stop short of
