@@ -666,12 +666,16 @@ class CutPatternReader {
                     const std::vector<const DrawnPath*>& open) const {
     constexpr int kCuts = 2;  // a slot or a hole may hold a mark
     std::vector<PlaneRing> sheets;
-    for (const std::vector<Vector2>& ring : rings) {
-      const auto cuts = std::ranges::count_if(
-                            rings, [&](const PlaneRing& cut) { return areWithinRing(ring, cut); }) +
-                        std::ranges::count_if(open, [&](const DrawnPath* path) {
-                          return areWithinRing(ring, path->points);
-                        });
+    for (const PlaneRing& ring : rings) {
+      Eigen::AlignedBox2d box;
+      for (const Vector2& point : ring) box.extend(point);
+      const auto cuts =
+          std::ranges::count_if(rings,
+                                [&](const PlaneRing& cut) {
+                                  return box.contains(cut.front()) && areWithinRing(ring, cut);
+                                }) +
+          std::ranges::count_if(
+              open, [&](const DrawnPath* path) { return areWithinRing(ring, path->points); });
       if (cuts >= kCuts) sheets.push_back(ring);
     }
     if (const std::optional<Vector2> place = crossingOf(sheets, false)) {
