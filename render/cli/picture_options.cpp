@@ -268,8 +268,7 @@ picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   picture::OutlineWidths widths;
   const double ratio = widths.silhouettes / widths.slits;
   const std::vector<std::string> words = parseWords(value.text);
-  const bool isFactor = value.text.find_first_not_of("0123456789.") == std::string::npos;
-  if (isFactor) {
+  if (words.size() < 2 && scene::readNumber(value.text)) {
     const double factor = scene::parseNumber(value, {0.1, 20});
     return {factor * widths.slits, factor * widths.silhouettes};
   }

@@ -730,10 +730,7 @@ run::MechanismPath closedExactly(const scene::Scene& scene, run::MechanismPath r
   rounded.isRounded = true;
   if (rounded.isStuck || rounded.isCutShort) return rounded;
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
-  rounded.isStuck = std::ranges::any_of(rounded.states, [&](const Poses& state) {
-    return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
-  });
+  rounded.isStuck = std::ranges::any_of(rounded.states, testForOpenJoints(scene));
   if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
   run::SearchBudget part(std::min(kExactCost * cost, budget.left()));
   run::MechanismPath exact =

@@ -240,8 +240,7 @@ void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
 
 // Joints that are closed in both states are closed again. Those of tiles with a misfit close only
 // if they open by more than roundedGap(): near a singular state, closing them would move bricks
-// far.
-// Open compliant joints need not close: only the symmetry is restored.
+// far. Open compliant joints need not close: only the symmetry is restored.
 Poses StatesBetween::at(std::size_t state, double share) {
   const Poses& from = found_.path.states[state - 1];
   const Poses& to = found_.path.states[state];
