@@ -1126,8 +1126,10 @@ void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints) {
         });
         sets.unite(own[k], others[nearest - placesB.begin()]);
       }
-      std::erase_if(a.sides, [&](const ElementFace& face) { return face.tileEdge == edgeA; });
-      std::erase_if(b.sides, [&](const ElementFace& face) { return face.tileEdge == edgeB; });
+      std::erase_if(a.sides,
+                    [edge = edgeA](const ElementFace& face) { return face.tileEdge == edge; });
+      std::erase_if(b.sides,
+                    [edge = edgeB](const ElementFace& face) { return face.tileEdge == edge; });
     }
     mesh.joined.push_back({joints[j].a.tile, joints[j].b.tile});
   }

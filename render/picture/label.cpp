@@ -452,8 +452,7 @@ struct LabelWriter::Fonts {
       if (!has(0, letter) && !isInvisible(letter)) missing += letter;
     }
     std::ranges::sort(missing);
-    const auto [first, end] = std::ranges::unique(missing);
-    missing.erase(first, end);
+    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
     return missing;
   }
 

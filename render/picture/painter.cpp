@@ -184,13 +184,13 @@ class Tessellator {
       colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
       mesh_.hasTranslucentLines |= colour.alpha < 255;
       const std::array<std::uint8_t, 4> channels = bytes(colour);
-      for (const auto& [points, isSilhouette] : lines) {
-        const double width = isSilhouette ? style.silhouetteWidth : style.slitWidth;
-        const double thinnest = isSilhouette ? kThinnestSilhouette : kThinnestSlit;
+      for (const auto& line : lines) {
+        const double width = line.isSilhouette ? style.silhouetteWidth : style.slitWidth;
+        const double thinnest = line.isSilhouette ? kThinnestSilhouette : kThinnestSlit;
         // In pixels; the picture's height is 2 half_.y.
         const double radius = std::max(half_.y() * width, 0.5 * thinnest);
         addFacet([&](ClipBox& place) {
-          appendLine(points, radius, static_cast<float>(depth), channels, place);
+          appendLine(line.points, radius, static_cast<float>(depth), channels, place);
         });
       }
     }

@@ -43,7 +43,7 @@ namespace {
 using Face = std::vector<unsigned>;
 
 /// Integers that a float holds exactly.
-constexpr std::size_t kMostCorners = 1U << 24U;
+[[maybe_unused]] constexpr std::size_t kMostCorners = 1U << 24U;
 
 /// The corners of all bricks in world axes, metres: for each brick its bottom, then its top.
 std::vector<Vector3> worldCorners(const std::vector<brick::Brick>& bricks, const Poses& poses) {

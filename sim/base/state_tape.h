@@ -109,7 +109,7 @@ class StateTape {
 
   template <HasFields Struct>
   void pass(Struct& of) {
-    forEachField(of, [this](const auto& /*field*/, auto& value) { pass(value); });
+    forEachField(of, [this](const auto& /*field*/, auto& value) { this->pass(value); });
   }
 
   template <HasState Value>

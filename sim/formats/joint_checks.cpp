@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/formats/repairs.h"
+#include "sim/formats/text_table.h"
 #include "sim/formats/written_digits.h"
 
 namespace kirireel::formats {

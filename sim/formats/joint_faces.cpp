@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "sim/formats/written_digits.h"
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::formats {
 namespace {

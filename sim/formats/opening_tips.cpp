@@ -13,6 +13,8 @@
 #include <numbers>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "sim/formats/geos_plane.h"
 
 namespace kirireel::formats {

@@ -598,7 +598,8 @@ class Follower {
   // Keeps an equilibrium with its forces and displacements, and reports it to the observer. Returns
   // whether the observer continues.
   bool note(const Point& point, Turning turning) {
-    const auto& [at, along, rounds] = point;
+    const auto& at = point.at;
+    const auto& along = point.along;
     Equilibrium state;
     state.load = at.load;
     state.poses = sheet_.posesAt(at.q);
