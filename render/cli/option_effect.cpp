@@ -20,12 +20,18 @@
 #include "render/picture/video.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/scene/settings.h"
 
 namespace kirireel::cli {
 namespace {
 
 bool isGiven(const CLI::App& command, const char* option);
+
+/// Only the direct solver has pins, links, searches and guided paths.
+bool isDirect(const scene::Scene& scene) {
+  return scene.solver.kind == scene::SolverKind::Direct;
+}
 
 // ------------------------------------------------------------------------------------------------
 // Pictures and videos.
@@ -145,19 +151,52 @@ bool hasPngPlot(const OptionContext& context) {
 // ------------------------------------------------------------------------------------------------
 // Scenes.
 
-bool mayTouch(const OptionContext& context) {
-  return context.scene->environment.contacts != scene::ContactFilter::None;
-}
 bool hasGrips(const OptionContext& context) {
   return !context.scene->grips.empty();
+}
+bool hasNoGrips(const OptionContext& context) {
+  return !hasGrips(context);
+}
+/// Whether paths to a target may be tried. Only these trials switch contacts on by themselves.
+bool mayTryPaths(const OptionContext& context) {
+  const scene::Scene& scene = *context.scene;
+  const scene::Drive drive = scene.actuation.drive;
+  return (drive == scene::Drive::Auto || drive == scene::Drive::Target) && isDirect(scene) &&
+         scene.timeline.empty() && !isGiven(*context.command, "--pin");
+}
+bool mayTouch(const OptionContext& context) {
+  const scene::ContactFilter contacts = context.scene->environment.contacts;
+  if (contacts == scene::ContactFilter::Auto) return mayTryPaths(context);
+  return contacts != scene::ContactFilter::None;
 }
 /// A timeline may name a target later.
 bool mayHaveDrive(const OptionContext& context) {
   return context.scene->actuation.drive != scene::Drive::None || !context.scene->timeline.empty();
 }
+/// Whether the run may be a kinematic path. The model, which is read later, decides whether targets
+/// or expansion need dynamics.
 bool mayBeKinematic(const OptionContext& context) {
+  scene::Scene scene = *context.scene;
+  if (scene.path.kind == scene::PathKind::Continuation) return true;
+  if (scene.path.kind != scene::PathKind::Auto) return false;
+  scene::Drive& drive = scene.actuation.drive;
+  if (drive == scene::Drive::None || drive == scene::Drive::Boundary) return false;
+  drive = scene::defaultDrive(scene.model);
+  std::string reason;
+  return scene::isQuasiStatic(scene, reason);
+}
+bool hasPlayTime(const OptionContext& context) {
+  return hasGrips(context) || mayBeKinematic(context);
+}
+bool mayBeDynamic(const OptionContext& context) {
+  const scene::PathSettings& path = context.scene->path;
+  return hasNoGrips(context) && path.kind != scene::PathKind::Continuation &&
+         path.to != scene::Destination::Closed;
+}
+bool maySearch(const OptionContext& context) {
   const scene::PathKind path = context.scene->path.kind;
-  return path == scene::PathKind::Auto || path == scene::PathKind::Continuation;
+  return hasNoGrips(context) && isDirect(*context.scene) && path != scene::PathKind::Straight &&
+         path != scene::PathKind::Guided;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -222,10 +261,15 @@ constexpr OptionEffect kCurvesEffects[] = {
     {"--dpi", hasPngPlot, "without a PNG figure", "Add --plot png"}};
 
 constexpr OptionEffect kSceneEffects[] = {
-    {"--brick-friction", mayTouch, "without contacts", "Remove --contacts none"},
+    {"--brick-friction", mayTouch, "without contacts", "Use --contacts all"},
     {"--load-steps", hasGrips, "without [[grip]] in the scene file", "Add a grip"},
     {"Springs to the target", mayHaveDrive, "without a drive", "Remove --actuation none"},
-    {"--walk-time", mayBeKinematic, "with dynamics", "Use --path continuation"}};
+    {"--actuation,--path,--joint-ratio", hasNoGrips, "with [[grip]]", "Remove the grips"},
+    {"--walk-time", hasPlayTime, "with dynamics", "Use --path continuation"},
+    {"--timestep,--seed,--tolerance", mayBeDynamic, "without dynamics",
+     "Use --path dynamic without [[grip]]"},
+    {"--search-effort", maySearch, "without a search for a path",
+     "Use --path auto with --solver direct"}};
 
 }  // namespace
 
@@ -251,11 +295,6 @@ const std::vector<OptionEffect>& optionEffects() {
 // The check of the given options.
 
 namespace {
-
-/// Only the direct solver has pins, links and guided paths.
-bool isDirect(const scene::Scene& scene) {
-  return scene.solver.kind == scene::SolverKind::Direct;
-}
 
 /// The condition for an effect of this option in this command.
 std::vector<scene::Condition> conditionsOf(const std::string& option) {
@@ -352,10 +391,14 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;
   if (isGuided && !isDirect(scene)) refuse("--path guided", "--solver direct");
   if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
-  if (isGuided && scene.solver.isToleranceGiven()) {
+  for (const auto& [isGiven, option] :
+       {std::pair(scene.solver.isToleranceGiven(), "--tolerance"),
+        std::pair(scene.solver.measuresTimeError, "--measure-time-error")}) {
+    if (!isGuided || !isGiven) continue;
     throw InputError(
-        "error: --path guided moves tiles in fixed steps and has no --tolerance. Remove one of "
-        "them");
+        fmt::format("error: --path guided moves tiles in fixed steps and has no {}. Remove one of "
+                    "them",
+                    option));
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
     throw InputError(

@@ -38,6 +38,8 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
        "--tolerance works only with --solver direct."},
       {{"--tolerance", "1e-4", "--substeps", "2"}, "--substeps works only with --tolerance 0."},
       {{"--tolerance", "1e-4", "--path", "guided"}, "--path guided moves tiles in fixed steps"},
+      {{"--measure-time-error", "--path", "guided"},
+       "--path guided moves tiles in fixed steps and has no --measure-time-error."},
       {{"--boundary-size", "3"}, "--boundary-size works only with --actuation boundary."},
       {{"--cm_expansion", "--boundary-aspect", "3"},
        "--boundary-aspect works only with --actuation boundary."},

@@ -32,7 +32,7 @@ const std::vector<Choice> kChoices = {
     {"--force-damping", "50", "25.5", "actuation"},
     {"--torque-damping", "2", "1", "actuation"},
     {"--gravity", "0", "-0.1", "environment"},
-    {"--brick-friction", "0", "0.3", "environment"},
+    {"--timestep", "0.004", "0.005", "solver"},
     {"--linear-damping", "0.05", "0.1", "environment"},
     {"--fps", "60", "50", "recording"},
     {"--seed", "1", "2", "solver"},
