@@ -69,11 +69,12 @@ class Help(OnAMachine):
         scripts = [file for file in (self.machine.sources / "scripts").iterdir() if file.is_file()]
         self.assertGreater(len(scripts), 10)
         for script in scripts + [self.machine.sources / ".ci/run"]:
-            with self.subTest(script=script.name):
-                end = self.machine.run(script, "--help")
-                self.assertEqual(end.returncode, 0, end.stderr)
-                self.assertEqual(end.stderr, "")
-                self.assertIn(script.name.replace("run", "scripts/test"), end.stdout)
+            for spelling in ("--help", "-h"):
+                with self.subTest(script=script.name, spelling=spelling):
+                    end = self.machine.run(script, spelling)
+                    self.assertEqual(end.returncode, 0, end.stderr)
+                    self.assertEqual(end.stderr, "")
+                    self.assertIn(script.name.replace("run", "scripts/test"), end.stdout)
         self.assertEqual(before, self.machine.contents())
         self.assertFalse((self.machine.sources.parent / "started").exists())
 
