@@ -158,15 +158,49 @@ double NearGapFinder::separate(PiecePair& pair, double margin, const Poses& pose
   return best;
 }
 
+bool NearGapFinder::areNear(const NearBrickPair& pair, double margin, const Poses& poses) const {
+  const double near = radii_[pair.a] + radii_[pair.b] + margin;
+  return (poses[pair.a].position - poses[pair.b].position).squaredNorm() < near * near;
+}
+
 std::vector<NearGap> NearGapFinder::find(const Poses& poses, double margin, double reach) {
   std::vector<NearGap> gaps;
   ++state_;
-  for (auto& [a, b, pieces] : pairs_) {
-    const double near = radii_[a] + radii_[b] + margin;
-    if ((poses[a].position - poses[b].position).squaredNorm() >= near * near) continue;
-    for (PiecePair& pair : pieces) {
+  for (NearBrickPair& ofBricks : pairs_) {
+    if (!areNear(ofBricks, margin, poses)) continue;
+    for (PiecePair& pair : ofBricks.pieces) {
       const double distance = separate(pair, margin, poses);
       if (distance < margin) append(pair, distance, reach, poses, gaps);
+    }
+  }
+  return gaps;
+}
+
+std::vector<NearGap> NearGapFinder::findBetween(const std::array<Poses, 2>& ends,
+                                                const Poses& poses, double margin, double reach) {
+  for (std::size_t end = 0; end < ends.size(); ++end) {
+    ++state_;
+    for (NearBrickPair& ofBricks : pairs_) {
+      const bool mayBeNear = areNear(ofBricks, margin, ends[end]);
+      for (PiecePair& pair : ofBricks.pieces) {
+        const bool isNear = mayBeNear && separate(pair, margin, ends[end]) < margin;
+        pair.ofEnds[end] = isNear ? std::optional(pair.known) : std::nullopt;
+      }
+    }
+  }
+  std::vector<NearGap> gaps;
+  ++state_;
+  for (NearBrickPair& ofBricks : pairs_) {
+    for (PiecePair& pair : ofBricks.pieces) {
+      for (const auto& plane : pair.ofEnds) {
+        if (!plane || (&plane != &pair.ofEnds.front() && plane == pair.ofEnds.front())) continue;
+        const PlacedOutline &placedA = place(pair.a, poses), &placedB = place(pair.b, poses);
+        pair.known = *plane;
+        const double distance = contacts::separation((*pair.planes)[*plane], placedA, placedB);
+        if (distance < margin && contacts::isSteady((*pair.planes)[*plane], placedA, placedB)) {
+          append(pair, distance, reach, poses, gaps);
+        }
+      }
     }
   }
   return gaps;

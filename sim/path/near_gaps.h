@@ -4,6 +4,7 @@
 #include <array>
 #include <deque>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -37,6 +38,11 @@ class NearGapFinder {
   /// The gaps of pairs that are nearer than `margin` metres, in order of bricks. Each pair has the
   /// points within `reach` metres of its nearest point.
   std::vector<NearGap> find(const Poses& poses, double margin, double reach);
+  /// The same for a state between two others, by the planes that separate the pairs in these two.
+  /// Each of them then shares its planes with the state, so bricks that are apart along both are
+  /// also apart on the two short ways (to the second order).
+  std::vector<NearGap> findBetween(const std::array<Poses, 2>& ends, const Poses& poses,
+                                   double margin, double reach);
 
  private:
   /// A convex piece of a brick, perhaps without corners.
@@ -53,6 +59,7 @@ class NearGapFinder {
     const std::vector<contacts::SeparatingPlane>* planes = nullptr;
     double kept = 0;        // overlap at the start, metres
     std::size_t known = 0;  // plane that separated the pair at the last check
+    std::array<std::optional<std::size_t>, 2> ofEnds;  // findBetween(): planes of near pairs
   };
   struct NearBrickPair {
     int a = 0, b = 0;
@@ -64,6 +71,7 @@ class NearGapFinder {
   void addPair(int a, int b, const std::vector<std::size_t>& piecesA,
                const std::vector<std::size_t>& piecesB);
   const contacts::PlacedOutline& place(std::size_t piece, const Poses& poses);
+  bool areNear(const NearBrickPair& pair, double margin, const Poses& poses) const;
   double separate(PiecePair& pair, double margin, const Poses& poses);
   void append(const PiecePair& pair, double distance, double reach, const Poses& poses,
               std::vector<NearGap>& gaps) const;

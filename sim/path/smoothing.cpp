@@ -63,8 +63,10 @@ constexpr int kIntervals = 60;          // between the states that are improved
 constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
 constexpr double kLeastFinal = 120;     // minimum number of intervals of the result
 constexpr double kMostFinal = 400;
-// States are inserted down to this spacing, as a fraction of the path.
+// States are inserted down to this spacing, as a fraction of the path. Bricks that still overlap
+// there are on different sides of a corner: states down to the second spacing lead around it.
 constexpr double kLeastSpacing = 1e-5;
+constexpr double kLeastSpacingAtCorners = 1e-6;
 constexpr int kSmoothingRounds = 12;     // maximum number of accepted rounds
 constexpr int kSmoothingTries = 24;      // maximum number of tried rounds
 constexpr double kLeastRoundGain = 0.1;  // of the energy; a smaller gain ends the rounds
@@ -444,12 +446,10 @@ class Smoothing {
     return basis;
   }
 
-  /// The rows of a state's program that keep bricks apart, for pairs within `margin` metres. Bounds
-  /// allow an overlap of `overlap` metres.
-  void appendGaps(const Poses& poses, const MatrixXd& basis, double margin, double overlap,
-                  BandedProgram& program) {
-    std::vector<NearGap> near;
-    if (gaps_) near = gaps_->find(poses, margin, kPointReach * tile_);
+  /// The rows of a state's program that keep bricks apart. Bounds allow an overlap of `overlap`
+  /// metres.
+  void appendGaps(const std::vector<NearGap>& near, const MatrixXd& basis, double overlap,
+                  BandedProgram& program) const {
     MatrixXd rows = MatrixXd::Zero(static_cast<Eigen::Index>(near.size()), basis.cols());
     VectorXd bounds(static_cast<Eigen::Index>(near.size()));
     for (std::size_t k = 0; k < near.size(); ++k) {
@@ -468,12 +468,17 @@ class Smoothing {
     program.bounds.push_back(std::move(bounds));
   }
 
-  /// Separates bricks of one state that overlap by more than `overlap` tiles.
-  void pushApart(Poses& poses, const MatrixXd& basis, bool isOpen, double overlap) {
+  /// Separates bricks of one state that overlap by more than `overlap` tiles. If the state is to be
+  /// between two others, along the planes of both.
+  void pushApart(Poses& poses, const MatrixXd& basis, bool isOpen, double overlap,
+                 const std::array<Poses, 2>* ends = nullptr) {
     if (!gaps_) return;
+    const double margin = kPushMargin * tile_, reach = kPointReach * tile_;
     for (int k = 0; k < kPushes; ++k) {
       BandedProgram program;
-      appendGaps(poses, basis, kPushMargin * tile_, -0.5 * overlap * tile_, program);
+      appendGaps(ends ? gaps_->findBetween(*ends, poses, margin, reach)
+                      : gaps_->find(poses, margin, reach),
+                 basis, -0.5 * overlap * tile_, program);
       const VectorXd& bounds = program.bounds.front();
       const double deepest = bounds.size() > 0 ? bounds.maxCoeff() - 0.5 * overlap * tile_ : 0;
       if (deepest <= overlap * tile_) return;
@@ -612,7 +617,9 @@ class Smoothing {
       program.hessian.diagonal.push_back(std::move(diagonal));
       if (k + 1 < moving()) program.hessian.first.push_back(-4 * changes[k + 1].transpose() * here);
       if (k + 2 < moving()) program.hessian.second.push_back(changes[k + 2].transpose() * here);
-      appendGaps(states_[i], bases_[i], kMargin * tile_, kOverlap * tile_, program);
+      std::vector<NearGap> near;
+      if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
+      appendGaps(near, bases_[i], kOverlap * tile_, program);
     }
     program.priceScale = program.gradient.cwiseAbs().maxCoeff();
     return program;
@@ -784,24 +791,24 @@ class Smoothing {
   /// The states with others between two of them where bricks overlap there.
   std::vector<Poses> withInsertedStates() {
     const std::vector<double> from = run::pathLengths(bricks_, states_);
-    std::vector<double> places(from.rbegin(), from.rend() - 1);
-    const std::size_t most = 2 * places.size();
+    std::vector<std::pair<double, Poses>> next;  // with their lengths, the last first
+    for (std::size_t i = count(); --i > 0;) next.emplace_back(from[i], states_[i]);
+    const std::size_t most = 2 * next.size();
     std::vector<Poses> found = {states_.front()};
     double last = 0;
-    while (!places.empty()) {
-      const double next = places.back();
-      const auto own = std::ranges::lower_bound(from, next);
-      Poses poses = *own == next ? states_[static_cast<std::size_t>(own - from.begin())]
-                                 : stateAt(from, next);
-      const bool mayInsert =
-          found.size() + places.size() < most && next - last > kLeastSpacing * from.back();
-      if (mayInsert && overlapsBetween(found.back(), poses)) {
-        places.push_back(0.5 * (last + next));
+    while (!next.empty()) {
+      const auto& [length, poses] = next.back();
+      const double spacing = (length - last) / from.back();
+      if (found.size() + next.size() < most && spacing > kLeastSpacingAtCorners &&
+          overlapsBetween(found.back(), poses)) {
+        const std::array<Poses, 2> ends = {found.back(), poses};
+        const double middle = 0.5 * (last + length);
+        next.emplace_back(middle, stateAt(from, middle, spacing > kLeastSpacing ? nullptr : &ends));
         continue;
       }
-      places.pop_back();
-      found.push_back(std::move(poses));
-      last = next;
+      last = length;
+      found.push_back(std::move(next.back().second));
+      next.pop_back();
     }
     return found;
   }
@@ -819,8 +826,10 @@ class Smoothing {
     return overlapOf(run::momentsThrough(from, thirds, to)) > deepest;
   }
 
-  /// The state at a length between the ends, `lengths` being those of the improved states.
-  Poses stateAt(const std::vector<double>& lengths, double length) {
+  /// The state at a length between the ends, `lengths` being those of the improved states. `ends`:
+  /// see pushApart().
+  Poses stateAt(const std::vector<double>& lengths, double length,
+                const std::array<Poses, 2>* ends = nullptr) {
     const auto next = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
     const auto i = static_cast<std::size_t>(next - lengths.begin());
     const bool isOpen = isOpen_[i - 1] || isOpen_[i];
@@ -832,7 +841,7 @@ class Smoothing {
       close(poses, false);
     }
     const std::size_t near = length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
-    pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap);
+    pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap, ends);
     makeSymmetric(poses, isOpen);
     return poses;
   }

@@ -3,6 +3,7 @@
 #include "sim/path/smoothing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -180,6 +181,31 @@ TEST(NearGaps, ChangeByTheirDerivatives) {
     less[0] = displaced(less[0], -move.head<3>(), -move.tail<3>());
     // Measured 1e-10.
     EXPECT_NEAR((least(more) - least(less)) / (2 * kStep), nearest.front().ofA[k], 1e-8) << k;
+  }
+}
+
+// One square is beside the other in one state and above it in the next. Between these states it
+// must be apart in both directions, though one is enough in any single state.
+TEST(NearGaps, BetweenTwoSidesOfACornerAreAlongBoth) {
+  Squares squares(2);
+  const double edge = (squares.bricks[0].bottom[1] - squares.bricks[0].bottom[0]).norm();
+  for (const bool isPlanar : {false, true}) {
+    path::NearGapFinder finder(squares.bricks, {}, scene::ContactFilter::All, 0.05, isPlanar,
+                               squares.start);
+    const auto at = [&](double x, double y) {
+      Poses poses = squares.start;
+      poses[1].position = poses[0].position + Vector3(edge + x, edge + y, 0);
+      return poses;
+    };
+    const std::array<Poses, 2> ends = {at(0.01, -0.02), at(-0.02, 0.01)};
+    Vector3 smallest = Vector3::Constant(1);
+    for (const path::NearGap& near : finder.findBetween(ends, at(-0.002, -0.003), 0.1, 1e-3)) {
+      int axis = 0;
+      EXPECT_NEAR(near.ofA.head<3>().cwiseAbs().maxCoeff(&axis), 1, 1e-14);
+      smallest[axis] = std::min(smallest[axis], near.gap);
+    }
+    EXPECT_NEAR(smallest.x(), -0.002, 1e-14) << isPlanar;  // 4e-16
+    EXPECT_NEAR(smallest.y(), -0.003, 1e-14) << isPlanar;  // 4e-16
   }
 }
 
