@@ -16,6 +16,7 @@
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
 #include "render/export/export.h"
+#include "render/fea/outside_program.h"
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
@@ -322,6 +323,7 @@ int carryOut(const ExportOrder& order) {
   const exports::ExportSettings settings =
       exports::inMetres(order.settings, trajectory.subject().model.unit);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
+  if (order.isChecked) fea::requireCalculix();
   // Warnings come before the files, which may take long.
   for (const std::string& line : exports::exportWarnings(trajectory, settings)) {
     fmt::print(stderr, "kirireel: {}\n", line);

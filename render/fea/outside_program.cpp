@@ -97,9 +97,10 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
   writeTextFile(input, geometry);
   std::vector<std::string> all = {"gmsh", input, "-o", output, "-nt", "1", "-v", "2", "-nopopup"};
   all.insert(all.end(), words.begin(), words.end());
-  const int end = runProgram(
-      all, log, fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
-                            name.ends_with(".msh") ? "other --joints" : "another format"));
+  const int end =
+      runProgram(all, log,
+                 fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
+                             name.ends_with(".msh") ? "other --joints" : "another format"));
   std::string text = writtenText(output);
   if (end == 0 && !text.empty()) return text;
   // The first error is the cause of later ones.
@@ -174,7 +175,20 @@ std::optional<double> workOfForces(const std::string& jobText,
   return work;
 }
 
+/// Runs CalculiX with its output in `log`. Returns its status.
+int runCalculix(std::vector<std::string> words, const std::string& log) {
+  words.insert(words.begin(), "ccx");
+  return runProgram(
+      std::move(words), log,
+      "it checks decks: install it (Debian: apt-get install calculix-ccx) or remove --check");
+}
+
 }  // namespace
+
+void requireCalculix() {
+  const WorkFolder folder;
+  runCalculix({"-v"}, folder / "log");
+}
 
 double openingByCalculix(const std::string& meshText, std::string jobText) {
   const WorkFolder folder;
@@ -193,9 +207,7 @@ double openingByCalculix(const std::string& meshText, std::string jobText) {
   jobText.replace(include, jobText.find('\n', include) + 1 - include, meshText);
   writeTextFile(folder / "check.inp", jobText);
   const std::string log = folder / "log";
-  const int end = runProgram(
-      {"ccx", "-i", folder / "check"}, log,
-      "it checks decks: install it (Debian: apt-get install calculix-ccx) or remove --check");
+  const int end = runCalculix({"-i", folder / "check"}, log);
   const std::string data = writtenText(folder / "check.dat");
   std::map<int, Vector3> displacements;
   for (const std::string& set : sets) readDisplacements(data, set, displacements);

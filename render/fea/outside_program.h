@@ -52,6 +52,9 @@ std::string stepByGmsh(const std::string& geometry);
 // ------------------------------------------------------------------------------------------------
 // CalculiX as a solver: an external program, required only when used.
 
+/// Throws InputError if there is no such program.
+void requireCalculix();
+
 /// The relative displacement of the two loaded ends in a job of staticJob, in the deck's unit of
 /// length: the work of the forces, which are 1 N at each end. The job uses CalculiX's keywords.
 /// `meshText` is the included mesh deck with its sets. Runs `ccx` in a temporary folder, which is

@@ -1,6 +1,7 @@
 // Every kind of bad input through the real program: one line on standard error, the right exit
 // code, and nothing left behind.
 #include <algorithm>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -276,6 +277,34 @@ TEST(BadSystem, MissingEncoder) {
   words.insert(words.end(), {"--encoder", "libx999"});
   expectOneLine(runKirireel(words), 1, "libavcodec has no encoder libx999 here");
   EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
+}
+
+TEST(BadSystem, MissingPrograms) {
+  const TemporaryFolder folder;
+  const std::string run = (folder / "run").string();
+  const std::string out = (folder / "out").string();
+  runKirireel(
+      {"simulate", shippedModel("tessellation_4x4").string(), "--duration", "0.1", "--out", run});
+  const std::pair<std::string, std::string> cases[] = {
+      {"--format obj,inp --joints neck --neck-width 0.1",
+       "gmsh cannot be run (No such file or directory); it meshes sheets with necks: install it "
+       "(Debian: apt-get install gmsh) or choose other --joints"},
+      {"--format stl,step --joints neck --neck-width 0.1",
+       "gmsh cannot be run (No such file or directory); it writes STEP files: install it (Debian: "
+       "apt-get install gmsh) or choose another format"},
+      {"--format inp --check",
+       "ccx cannot be run (No such file or directory); it checks decks: install it (Debian: "
+       "apt-get install calculix-ccx) or remove --check"}};
+  for (const auto& [options, message] : cases) {
+    std::vector<std::string> words = {
+        "PATH=/nowhere", KIRIREEL_PROGRAM, "export", run, "--out", out};
+    std::istringstream typed(options);
+    for (std::string word; typed >> word;) words.push_back(word);
+    const ProgramEnd end = runTool("env", words);
+    EXPECT_EQ(end.exitCode, 2);
+    EXPECT_EQ(end.err, "kirireel: error: the program " + message + "\n");
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
 }
 
 TEST(BadSystem, TooLittleMemory) {
