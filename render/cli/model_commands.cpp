@@ -268,6 +268,11 @@ void completeOrder(const CLI::App&, ModelsOrder&) {}
 
 int carryOut(const ModelsOrder&) {
   const std::map<std::string, std::filesystem::path> models = knownModels();
+  if (models.empty()) {
+    throw InputError(
+        "error: there are no models in data/, and none are installed; change to the folder of the "
+        "sources, or install the program");
+  }
   std::size_t width = 4;
   for (const auto& [name, place] : models) width = std::max(width, name.size());
   fmt::print("{:<{}}  {:>6}  {:>6}  target\n", "name", width, "tiles", "joints");

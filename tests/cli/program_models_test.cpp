@@ -93,6 +93,16 @@ TEST(OptionsPage, HasWhatTheHelpPrints) {
   }
 }
 
+TEST(KnownModels, AreMissedWithAdvice) {
+  const TemporaryFolder empty;
+  const ProgramEnd end = runKirireel({"models"}, {.folder = empty.path()});
+  if (end.exitCode == 0) GTEST_SKIP() << "models are installed: " << end.out;
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_EQ(end.err,
+            "kirireel: error: there are no models in data/, and none are installed; change to the "
+            "folder of the sources, or install the program\n");
+}
+
 TEST(KnownModels, AreListed) {
   const ProgramEnd end = runKirireel({"models"}, kAmongSources);
   EXPECT_EQ(end.exitCode, 0) << end.err;
