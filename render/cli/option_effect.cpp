@@ -45,6 +45,10 @@ bool hasFrames(const OptionContext& context) {
 bool hasFramesOrMoments(const OptionContext& context) {
   return hasFrames(context) || !context.pictures->chosenFrames.empty();
 }
+/// In a run, samples have the rate of the frames.
+bool hasFramesOrSamples(const OptionContext& context) {
+  return hasFrames(context) || context.exports != nullptr;
+}
 bool hasVideo(const OptionContext& context) {
   return context.pictures->video;
 }
@@ -225,7 +229,8 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--video,--crf,--encoder,--preset", hasVideo, "without a video", "Remove --no-video"},
     {"--preset", hasPreset, "in a video that is not H.264", "Use .mp4"},
     {"--length,--hold,--title,--subtitle,--progress-bar", hasFrames, kNoFrames, kFrames},
-    {"--inset", hasFramesOrMoments, kNoFrames, kFrames},
+    {"--fps", hasFramesOrSamples, kNoFrames, kFrames},
+    {"--inset,--painters", hasFramesOrMoments, kNoFrames, kFrames},
     {"--transparent", mayBeTransparent, "in a video of this format, which is opaque",
      "Use .webm, .gif, .apng, .mkv or .mov, or --frames with --no-video"},
     {"--colour-map", showsMeasureOrPage, kNoMeasure, kMeasure},

@@ -82,9 +82,11 @@ std::multimap<std::string, Case> cases(const test::TemporaryFolder& folder) {
                                                                   {"--title", {"A"}},
                                                                   {"--subtitle", {"A"}},
                                                                   {"--progress-bar", {}},
-                                                                  {"--inset", {"radius"}}}) {
+                                                                  {"--inset", {"radius"}},
+                                                                  {"--painters", {"2"}}}) {
     all.insert({option, {record + Words{"--no-video", option} + value, {"-"}}});
   }
+  all.insert({"--fps", {{"render", "run", "--no-video", "--fps", "30"}, {"-"}}});
   all.insert(
       {"--preset", {record + Words{"--video", "a.gif", "--preset", "slow"}, {"--video", "a.mp4"}}});
   all.insert({"--transparent",
