@@ -296,7 +296,9 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
   using enum run::Outcome;
   std::string text = describeEnd(scene, summary);
   if (summary.shortfall.empty() || summary.outcome == Interrupted) return text;
-  const bool isExplained = summary.atTarget == false || summary.outcome == Locked;
+  // The reason of a run without a target has its shortfall.
+  const bool isExplained = summary.atTarget == false || summary.outcome == Locked ||
+                           text.find(summary.shortfall) != std::string::npos;
   if (!isExplained) {
     text += summary.forbiddenOverlap > 0
                 ? fmt::format(", but tiles overlap by {}",

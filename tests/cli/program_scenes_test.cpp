@@ -122,6 +122,17 @@ TEST_F(Scenes, ASheetDrapesOverABall) {
   }
 }
 
+TEST_F(Scenes, OverlapsOfASwingAreReportedOnce) {
+  const Simulated done =
+      simulate(shippedModel("tessellation_4x4"),
+               {"--actuation", "none", "--gravity", "0,-1,0", "--pin", "0", "--duration", "2"});
+  EXPECT_EQ(done.end.exitCode, kEndedShort);
+  EXPECT_THAT(done.end.out.substr(0, done.end.out.find('\n')),
+              testing::MatchesRegex("tessellation_4x4: still moving after 2 s, at [0-9.]+ m/s at "
+                                    "most; bricks overlap by up to [0-9.]+ m .[0-9.]+ tiles.; exit "
+                                    "code 3"));
+}
+
 TEST_F(Scenes, AWaypointChangesNothingAtTheEnd) {
   EXPECT_LT(waypointDetour(shippedModel("cylinder")), 1e-6);  // measured 1.3e-12
 }
