@@ -209,7 +209,8 @@ MODULES = {"hdf5": "libhdf5-dev", "bullet": "libbullet-dev", "assimp": "libassim
            "cairo": "libcairo2-dev", "libavcodec": "libavcodec-dev", "libavfilter": "libavfilter-dev",
            "libavformat": "libavformat-dev", "libavutil": "libavutil-dev",
            "fontconfig": "libfontconfig-dev", "freetype2": "libfreetype-dev",
-           "fribidi": "libfribidi-dev", "harfbuzz": "libharfbuzz-dev", "libpng": "libpng-dev",
+           "fribidi": "libfribidi-dev", "geos": "libgeos-dev", "harfbuzz": "libharfbuzz-dev",
+           "libpng": "libpng-dev", "pugixml": "libpugixml-dev",
            "egl": "libegl-dev", "osmesa": "libosmesa6-dev"}
 
 
