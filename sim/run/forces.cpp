@@ -29,6 +29,11 @@ namespace kirireel::run {
 
 namespace {
 
+// Weight of rotations over positions while tiles are guided.
+constexpr double kTurnShare = 40;
+// Frequency of guide springs over the scene's. They are twice as stiff.
+constexpr double kGuideFrequency = std::numbers::sqrt2;
+
 double squaredFrequency(const scene::TargetSpringSettings& settings) {
   const double omega = 2 * std::numbers::pi * settings.frequency;
   return omega * omega;  // 1/s^2
@@ -72,6 +77,22 @@ double placeStiffness(const scene::TargetSpringSettings& settings,
   double mass = 0;
   for (const brick::Brick& brick : bricks) mass += brick.mass;
   return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings);
+}
+
+// Damping is always critical: tiles must follow without oscillation.
+scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
+  scene::TargetSpringSettings springs;
+  springs.frequency = kGuideFrequency * scene.springs.frequency;
+  springs.dampingRatio = 1;
+  springs.turnShare = kTurnShare;
+  springs.adaptive = false;
+  return springs;
+}
+
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks) {
+  const bool isGuided = scene.path.kind == scene::PathKind::Guided;
+  return scene.path.jointRatio *
+         placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -36,6 +36,12 @@ BrickSpring springOf(const brick::Brick& brick, const scene::TargetSpringSetting
 double placeStiffness(const scene::TargetSpringSettings& settings,
                       const std::vector<brick::Brick>& bricks);
 
+/// The springs that guide the scene's tiles, with sqrt(2) times the frequency of its own springs.
+scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
+
+/// The stiffness of joints that the scene's path makes compliant, N/m. Infinite for exact joints.
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks);
+
 // ------------------------------------------------------------------------------------------------
 // Force of a drive. This covers all drives except the springs to a target: a run moves these and
 // stiffens them during the path (see TargetSprings).

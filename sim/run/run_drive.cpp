@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/run/arrival.h"
 #include "sim/scene/scene_parts.h"
@@ -106,10 +105,6 @@ std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
 
 namespace {
 
-// Weight of rotations over positions while tiles are guided.
-constexpr double kTurnShare = 40;
-// Frequency of guide springs over the scene's. They are twice as stiff.
-constexpr double kGuideFrequency = std::numbers::sqrt2;
 // Time to catch up with a target that has stopped, and time to stiffen compliant joints, seconds.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
@@ -117,22 +112,6 @@ constexpr double kStiffeningTime = 0.5;
 constexpr double kClosingRatio = 1e7;
 
 }  // namespace
-
-// Damping is always critical: tiles must follow without oscillation.
-scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
-  scene::TargetSpringSettings springs;
-  springs.frequency = kGuideFrequency * scene.springs.frequency;
-  springs.dampingRatio = 1;
-  springs.turnShare = kTurnShare;
-  springs.adaptive = false;
-  return springs;
-}
-
-double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks) {
-  const bool isGuided = scene.path.kind == scene::PathKind::Guided;
-  return scene.path.jointRatio *
-         placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
-}
 
 // The guide begins at the bricks' poses at `beginTime`, not at the model's start.
 PathFollower::PathFollower(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,

@@ -102,12 +102,6 @@ enum class Phase {
   Settle,  ///< the scene's own drive acts until the bricks are at rest
 };
 
-/// The springs that guide the scene's tiles, with sqrt(2) times the frequency of its own springs.
-scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
-
-/// The stiffness of joints that the scene's path makes compliant, N/m. Infinite for exact joints.
-double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks);
-
 /// Guides the tiles of a run to their target. Springs pull every tile to a target that moves along
 /// the tile's own rigid motion. Rotations have more weight than positions: a mechanism that rotates
 /// has to leave the straight lines. Joints may be compliant meanwhile. At the end they stiffen

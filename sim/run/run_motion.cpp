@@ -18,7 +18,7 @@
 
 #include "sim/mechanics/extrapolation.h"
 #include "sim/run/assembled_state.h"
-#include "sim/run/run_drive.h"
+#include "sim/run/forces.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
