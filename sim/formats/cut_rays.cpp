@@ -181,9 +181,8 @@ int findHit(CutRay& ray, const Arrangement& lines, double tolerance) {
     for (const int node : {first, second}) {
       const Vector2 rest = lines.at(node) - ray.from;
       const double ahead = rest.dot(ray.along);
-      if (ahead <= tolerance || std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance)) {
-        continue;
-      }
+      // Points within the tolerance of the cut's end are this end.
+      if (ahead <= 0 || std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance)) continue;
       hasEnd = true;
       if (ahead >= ray.hit) continue;
       ray.hit = ahead;

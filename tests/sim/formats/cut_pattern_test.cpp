@@ -234,6 +234,30 @@ TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
   }
 }
 
+// A slot goes on from the corner at which an edge of the outline ends. Rounding moves both.
+TEST(CutPatterns, SlotsGoOnFromEdgesOfTheOutline) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int k = 0; k < 1000; ++k) {
+    const std::vector<Point> outline = {{-80, -40}, {0, -40}, {0, 0}, {80, 12 + 16 * share(random)},
+                                        {80, 80},   {-80, 80}};
+    // It leaves a neck of 0.5 mm at the upper side.
+    const std::vector<Point> slot = {{-0.05, 0}, {0.05, 0}, {0.05, 79.5}, {-0.05, 79.5}};
+    const Point corner(150 + share(random), 150 + share(random));
+    const Eigen::Affine2d move(Eigen::Translation2d(corner) *
+                               Eigen::Rotation2Dd(2 * std::numbers::pi * share(random)));
+    std::string text;
+    for (std::vector<Point> points : {outline, slot}) {
+      for (Point& p : points) p = move * p;
+      text += closedPath(points, 2);
+    }
+    const Reading reading = read("a.svg", page(text));
+    EXPECT_EQ(reading.refusal, "") << k;
+    EXPECT_EQ(reading.model.tiles.size(), 2U) << k;
+    EXPECT_EQ(reading.model.joints.size(), 1U) << k;
+  }
+}
+
 // Slots a few digits wide on a grid of whole millimetres keep their width and place, long and short
 // ones alike.
 TEST(CutPatterns, SlotsOfWholeNumbersKeepTheirWidth) {
