@@ -17,6 +17,7 @@
 #include "render/cli/scene_options.h"
 #include "render/output/output_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/scene/scene_file.h"
 #include "sim/scene/toml_file.h"
 
@@ -74,7 +75,7 @@ std::vector<std::string> runsIn(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    if (!fs::exists(entry.path() / output::kTrajectory, ignored)) continue;
+    if (!isPresent(entry.path() / output::kTrajectory)) continue;
     names.push_back(entry.path().filename().string());
   }
   std::ranges::sort(names);
@@ -85,9 +86,8 @@ std::vector<std::string> runsIn(const fs::path& folder) {
 fs::path trajectoryOf(const fs::path& folder, const scene::TypedValue& typed) {
   fs::path run = (folder / typed.text).lexically_normal();
   if (!run.has_filename()) run = run.parent_path();  // without a slash at the end
-  std::error_code ignored;
-  if (fs::is_regular_file(run, ignored)) return run;
-  if (fs::exists(run / output::kTrajectory, ignored)) return run / output::kTrajectory;
+  if (isFile(run)) return run;
+  if (isPresent(run / output::kTrajectory)) return run / output::kTrajectory;
   const fs::path place = run.has_parent_path() ? run.parent_path() : ".";
   const std::vector<std::string> names = runsIn(place);
   throw InputError(

@@ -31,6 +31,7 @@
 #include "render/page/page.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/formats/read_model.h"
 
@@ -154,7 +155,7 @@ RecordResult prepareWithWarnings(const RecordOrder& order) {
 std::optional<record::FinishedRun> findFinished(const record::RecordSettings& settings) {
   std::optional<output::FileSet> files;
   // Opening the set completes moves of a killed process.
-  if (std::filesystem::exists(settings.folder / output::kUnfinished)) {
+  if (isPresent(settings.folder / output::kUnfinished)) {
     files.emplace(settings.folder, output::kSummary);
   }
   std::optional<record::FinishedRun> finished =
@@ -166,11 +167,10 @@ std::optional<record::FinishedRun> findFinished(const record::RecordSettings& se
 /// A file given by its path, or by its name in the model's folder.
 std::filesystem::path besideModel(const std::filesystem::path& file,
                                   const std::filesystem::path& model) {
-  if (file.empty() || model.empty() || std::filesystem::exists(file)) return file;
+  if (file.empty() || model.empty() || isPresent(file)) return file;
   const std::filesystem::path place = findModel(model);
-  const std::filesystem::path inFolder =
-      (std::filesystem::is_directory(place) ? place : place.parent_path()) / file;
-  return std::filesystem::exists(inFolder) ? inFolder : file;
+  const std::filesystem::path inFolder = (isFolder(place) ? place : place.parent_path()) / file;
+  return isPresent(inFolder) ? inFolder : file;
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 
 namespace kirireel::cli {
 
@@ -55,7 +56,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
   // A folder means the trajectory.h5 in it.
   for (std::filesystem::path& trajectory : order.trajectories) {
-    if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
+    if (isFolder(trajectory)) trajectory /= output::kTrajectory;
   }
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
@@ -242,7 +243,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGrou
 
 /// A folder means the trajectory.h5 in it.
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
-  return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
+  return isFolder(given) ? given / output::kTrajectory : given;
 }
 
 }  // namespace
@@ -432,7 +433,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
   for (std::filesystem::path& run : order.runs) {
-    if (std::filesystem::is_directory(run)) run /= output::kTrajectory;
+    if (isFolder(run)) run /= output::kTrajectory;
   }
   if (order.runs.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: curves of several runs need their own folder; choose it with --out");
@@ -475,9 +476,9 @@ int parseSamples(const scene::TypedValue& typed) {
 /// The trajectory of a run given by its folder or its file. A file is not checked. Throws
 /// InputError for a folder without a trajectory.
 std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
-  if (!std::filesystem::is_directory(run)) return run;
+  if (!isFolder(run)) return run;
   const std::filesystem::path file = run / output::kTrajectory;
-  if (std::filesystem::exists(file)) return file;
+  if (isPresent(file)) return file;
   throw InputError(
       fmt::format("{}: error: this folder has no {}, which a page needs; record its model again",
                   run.string(), output::kTrajectory));

@@ -13,6 +13,7 @@
 
 #include "render/cli/option_group.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/formats/read_model.h"
 #include "sim/trajectory/sheet.h"
 
@@ -108,9 +109,8 @@ scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
                                  const std::filesystem::path& modelFolder,
                                  const SceneRequest& request, scene::Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
-  std::error_code ignored;
   // A named file must exist; scene.toml in the model's folder is optional.
-  if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
+  if (request.file.empty() && !isPresent(file)) return {};
   // Settings were written to the options. Lists have no options and are used here.
   scene::SceneFile read = applySceneFile(command, all, file);
   scene.timeline = read.timeline;
@@ -235,8 +235,7 @@ constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
 /// Rejects a misspelt name of a known model; the reader rejects other names.
 void requireNoMisspelling(const std::filesystem::path& named) {
-  std::error_code ignored;
-  if (std::filesystem::exists(findModel(named), ignored)) return;
+  if (isPresent(findModel(named))) return;
   // A folder name may end in a slash.
   const std::filesystem::path name = named.has_filename() ? named : named.parent_path();
   std::vector<std::string> names;
@@ -249,9 +248,9 @@ void requireNoMisspelling(const std::filesystem::path& named) {
 }  // namespace
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
-  if (std::filesystem::exists(named) || named.is_absolute()) return named;
+  if (isPresent(named) || named.is_absolute()) return named;
   for (const std::filesystem::path folder : kModelFolders) {
-    if (std::filesystem::exists(folder / named)) return folder / named;
+    if (isPresent(folder / named)) return folder / named;
   }
   return named;
 }
@@ -261,7 +260,7 @@ std::map<std::string, std::filesystem::path> knownModels() {
   std::error_code ignored;
   for (const std::filesystem::path folder : kModelFolders) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-      if (std::filesystem::exists(entry.path() / "vertices.txt", ignored)) {
+      if (isPresent(entry.path() / "vertices.txt")) {
         models.emplace(entry.path().filename().string(), entry.path());
       }
     }

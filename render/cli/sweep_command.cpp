@@ -34,6 +34,7 @@
 #include "render/picture/png.h"
 #include "render/sweep/collect.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 
 namespace kirireel::cli {
@@ -568,7 +569,7 @@ bool isPathKey(const std::string& key) {
 void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting) {
   // Each value has its own order, so it cannot hide an error of another value.
   RunOrders(sweep).apply(setting);
-  if (!isPathKey(setting.key) || fs::exists(findModel(setting.value.text))) return;
+  if (!isPathKey(setting.key) || isPresent(findModel(setting.value.text))) return;
   throw inputErrorAt(
       setting.value.where,
       fmt::format(

@@ -20,6 +20,7 @@
 #include <sys/wait.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/base/geometry.h"
 
@@ -46,7 +47,7 @@ WorkFolder::~WorkFolder() {
 std::string writtenText(const std::string& file) {
   // Results of large meshes have gigabytes; more than four are not read into memory.
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
-  if (!std::filesystem::is_regular_file(file)) return {};
+  if (!isFile(file)) return {};
   return readTextFile(file, "", kMostBytes);
 }
 

@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 
 namespace kirireel::output {
@@ -128,7 +129,7 @@ namespace fs = std::filesystem;
 /// The text of a record; "" if it cannot be read.
 std::string sealedText(const fs::path& record) {
   std::error_code ignored;
-  if (!fs::is_regular_file(record, ignored)) return "";
+  if (!isFile(record)) return "";
   try {
     const std::string text = readTextFile(record, "");
     return isSealed(text) ? text : "";
@@ -209,7 +210,7 @@ bool staysInside(const fs::path& name) {
 std::string difference(const fs::path& folder, const FileDigest& noted) {
   if (!staysInside(noted.name)) return "this is not the name of a file in the folder";
   std::error_code ignored;
-  if (!fs::is_regular_file(folder / noted.name, ignored)) return "the file is missing";
+  if (!isFile(folder / noted.name)) return "the file is missing";
   const std::uintmax_t bytes = fs::file_size(folder / noted.name, ignored);
   if (bytes != noted.bytes)
     return fmt::format("{} bytes, but the run wrote {}", bytes, noted.bytes);
@@ -319,7 +320,7 @@ void clearStage(const fs::path& stage) {
     const fs::path name = entry.path().filename();
     if (name != kCheckpoint && name != kMark) fs::remove_all(entry.path(), ignored);
   }
-  if (fs::exists(stage / kCheckpoint)) return;
+  if (isPresent(stage / kCheckpoint)) return;
   fs::remove(stage / kMark, ignored);
   fs::remove(stage, ignored);
 }
@@ -345,11 +346,11 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
   std::vector<std::string> foreign;
   if (left.isForeign(record)) foreign.emplace_back(record);
   for (const auto& [name, digest] : files) {
-    if (fs::exists(stage / name) && left.isForeign(name)) foreign.push_back(name);
+    if (isPresent(stage / name) && left.isForeign(name)) foreign.push_back(name);
   }
   if (!foreign.empty()) refuse(folder, foreign);
   for (const auto& [name, digest] : files) {
-    if (fs::exists(stage / name)) moveFile(stage / name, folder / name);
+    if (isPresent(stage / name)) moveFile(stage / name, folder / name);
   }
   // Only a run replaces all earlier files; exports add to them.
   if (record == std::string(kSummary)) removeStale(folder, left, files);
@@ -363,8 +364,7 @@ namespace {
 /// The folders of a path that do not exist, the innermost first.
 std::vector<fs::path> missingFolders(fs::path folder) {
   std::vector<fs::path> missing;
-  std::error_code ignored;
-  for (; !folder.empty() && !fs::exists(folder, ignored); folder = folder.parent_path()) {
+  for (; !folder.empty() && !isPresent(folder); folder = folder.parent_path()) {
     missing.push_back(folder);
   }
   return missing;

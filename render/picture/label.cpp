@@ -28,6 +28,7 @@
 #include <hb.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 
 #include FT_FREETYPE_H
 
@@ -89,7 +90,7 @@ std::filesystem::path findFont() {
       "/usr/share/fonts/TTF/DejaVuSans.ttf",
   };
   for (const char* place : kKnownPlaces) {
-    if (std::filesystem::exists(place)) return place;
+    if (isPresent(place)) return place;
   }
   throw fontError(kKnownPlaces.front());
 }

@@ -28,6 +28,7 @@
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/formats/read_model.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -509,8 +510,7 @@ py::object summary(const DeployedRun& run) {
 /// Reads all samples into memory, so the file may be deleted afterwards.
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
-    const bool isFolder = std::filesystem::is_directory(path);
-    const trajectory::TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
+    const trajectory::TrajectoryReader file(isFolder(path) ? path / output::kTrajectory : path);
     return std::make_shared<MemoryRun>(
         file.subject(), file.end(),
         std::make_shared<trajectory::SampleTable>(trajectory::readSamples(file)));

@@ -31,6 +31,7 @@
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
@@ -46,7 +47,7 @@ constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError if there is none.
 std::string summaryText(const fs::path& folder) {
-  if (fs::exists(folder / output::kSummary)) {
+  if (isPresent(folder / output::kSummary)) {
     return readTextFile(folder / output::kSummary, "give the folder of a run");
   }
   throw InputError(fmt::format(
@@ -102,7 +103,7 @@ class Verifier {
   /// Files exported or painted later are compared as listed in contents.json.
   void compareFiles(const Json& contents) {
     output::FileList files = output::listedFiles(folder_ / output::kContents);
-    if (files.empty() && fs::exists(folder_ / output::kContents)) {
+    if (files.empty() && isPresent(folder_ / output::kContents)) {
       complain(output::kContents, "this is not the text that export or render wrote");
     }
     for (const auto& [name, noted] : contents.items())
@@ -368,7 +369,7 @@ class Verifier {
 }  // namespace
 
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
-  if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
+  if (!isFile(folder / output::kSummary)) return std::nullopt;
   const std::string text = summaryText(folder);
   const Json summary = parseJsonOrDiscard(text);
   if (!output::isSealed(text) || !summary.is_object()) return std::nullopt;

@@ -33,6 +33,7 @@
 #include "render/record/summary.h"
 #include "render/sweep/sweep_plan.h"
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/formats/read_model.h"
 #include "sim/trajectory/array_file.h"
@@ -162,7 +163,7 @@ void RunClaim::finish(const RunRecord& record) {
   const fs::path former = finished_.string() + ".old.part";
   std::error_code ignored;
   fs::remove_all(former, ignored);
-  if (fs::exists(finished_)) putInPlace(finished_, former);
+  if (isPresent(finished_)) putInPlace(finished_, former);
   putInPlace(folder_, finished_);
   fs::remove(finished_ / kLock, ignored);
   fs::remove_all(former, ignored);

@@ -27,6 +27,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel::sweep {
@@ -197,7 +198,7 @@ SweepValue readValue(const std::string& key, const scene::TomlValue& value) {
   if (isFileKey(key)) {
     const std::filesystem::path near = (value.where.file.parent_path() / text).lexically_normal();
     const bool isName = key != "scene" && !std::filesystem::path(text).has_parent_path();
-    if (!isName || std::filesystem::exists(near)) text = near.string();
+    if (!isName || isPresent(near)) text = near.string();
   }
   return {text, value.truth() != nullptr, value.where};
 }

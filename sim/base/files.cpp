@@ -23,6 +23,7 @@
 #include <zlib.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/interruption.h"
 
 namespace kirireel {
@@ -45,7 +46,7 @@ void requireReadable(const std::filesystem::path& file, const std::string& purpo
   std::error_code ignored;
   const auto status = std::filesystem::status(file, ignored);
   if (!std::filesystem::exists(status)) {
-    throw inputErrorAt({file}, fmt::format("there is no such file; {}", purpose));
+    throw inputErrorAt({file}, fmt::format("{}; {}", whyAbsent(file, "file"), purpose));
   }
   // A device or a pipe has no size and may never end.
   if (!std::filesystem::is_regular_file(status)) {
@@ -186,7 +187,7 @@ void PendingFile::commit() {
 void makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (!error && std::filesystem::is_directory(folder)) return;
+  if (!error && isFolder(folder)) return;
   const std::string reason = error ? error.message() : "a file with this name exists";
   throw OutputError(fmt::format("{}: error: the folder cannot be created ({}). Choose another",
                                 folder.string(), reason));

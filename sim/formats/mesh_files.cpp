@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/formats/drawing.h"
 #include "sim/formats/faces.h"
@@ -354,7 +355,7 @@ std::optional<fs::path> deployedSibling(const fs::path& contracted) {
   // Tries the contracted file's own spelling of the ending first.
   for (const fs::path& ending : {contracted.extension(), fs::path(".obj"), fs::path(".OBJ")}) {
     const fs::path sibling = deployedName(contracted, ending);
-    if (sibling != contracted && fs::exists(sibling)) return sibling;
+    if (sibling != contracted && isPresent(sibling)) return sibling;
   }
   return std::nullopt;
 }

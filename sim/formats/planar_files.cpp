@@ -26,6 +26,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
@@ -120,7 +121,7 @@ bool contains(const std::vector<fs::path>& files, const fs::path& file) {
 /// The list that the user named: a path, or a file name in the folder of the vertices.
 fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
   const fs::path inFolder = vertices.parent_path() / jointsFile;
-  return fs::exists(jointsFile) || !fs::exists(inFolder) ? jointsFile : inFolder;
+  return isPresent(jointsFile) || !isPresent(inFolder) ? jointsFile : inFolder;
 }
 
 // The user's choice, else the matching list, else the default name, else the only list.

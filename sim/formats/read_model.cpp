@@ -14,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/formats/drawing.h"
 #include "sim/formats/joint_checks.h"
@@ -67,8 +68,8 @@ model::Model readFile(const fs::path& path, const std::optional<fs::path>& targe
   if (ending == ".txt" && isPlanarName(path)) {
     const fs::path vertices = planarVertices(path);
     // The files of a spatial folder have such names too.
-    const bool isFolder = vertices.filename() == "vertices.txt" && !holdsPlanarModel(vertices);
-    if (!isFolder) return readPlanarFiles(path, settings, warnings);
+    const bool isOfFolder = vertices.filename() == "vertices.txt" && !holdsPlanarModel(vertices);
+    if (!isOfFolder) return readPlanarFiles(path, settings, warnings);
     const fs::path folder = vertices.has_parent_path() ? vertices.parent_path() : ".";
     ReadSettings own = settings;
     // If the user named a list of joints, use it with the other files of its folder.
@@ -89,7 +90,7 @@ model::Model readFile(const fs::path& path, const std::optional<fs::path>& targe
 
 bool isPlanarFolder(const fs::path& folder) {
   const fs::path vertices = folder / "vertices.txt";
-  return fs::is_regular_file(vertices) && holdsPlanarModel(vertices);
+  return isFile(vertices) && holdsPlanarModel(vertices);
 }
 
 // Requires the same number of tiles and the same number of vertices in each.
@@ -125,7 +126,7 @@ std::vector<model::Tile> startOf(const fs::path& path, const model::Model& model
 
 /// The file of a model's tiles.
 fs::path tileFileOf(const fs::path& path) {
-  if (!fs::is_regular_file(path)) return path / "vertices.txt";
+  if (!isFile(path)) return path / "vertices.txt";
   return endingOf(path) == ".txt" ? planarVertices(path) : path;
 }
 
@@ -143,8 +144,7 @@ void applyUnit(model::Model& model, const fs::path& path, const ReadSettings& se
 model::Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                        std::vector<std::string>& warnings, const ReadSettings& settings) {
   requireOwnOptions(path, settings);
-  const bool isFile = fs::is_regular_file(path);
-  model::Model model = isFile ? readFile(path, target, settings, warnings)
+  model::Model model = isFile(path) ? readFile(path, target, settings, warnings)
                        : isPlanarFolder(path)
                            ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                            : readModelFolder(path, settings, warnings);
@@ -226,11 +226,10 @@ const std::string kNeckPurpose =
 
 void requireFolder(const fs::path& folder) {
   const std::string repair = "give a folder with vertices.txt and constraints.txt";
-  std::error_code ignored;
-  if (!fs::exists(folder, ignored)) {
-    throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", repair));
+  if (!isPresent(folder)) {
+    throw inputErrorAt({folder}, fmt::format("{}; {}", whyAbsent(folder, "folder"), repair));
   }
-  if (!fs::is_directory(folder, ignored)) {
+  if (!isFolder(folder)) {
     throw inputErrorAt({folder}, fmt::format("this is not a folder; {}", repair));
   }
 }
@@ -429,7 +428,7 @@ void requireFree(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(file, ignored))) return;
   // A file with the same contents is allowed. The same model can thus be written twice.
-  if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
+  if (isFile(file) && !text.empty() && readTextFile(file, "") == text) return;
   throw InputError(fmt::format(
       "{}: error: this file belongs to another model. Move it, or choose another folder",
       file.string()));
@@ -478,7 +477,7 @@ std::string hullText(const std::vector<model::Corner>& hull) {
 fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return folder / "constraints.txt";
   const fs::path inside = folder / settings.jointsFile;
-  return fs::exists(settings.jointsFile) || !fs::exists(inside) ? settings.jointsFile : inside;
+  return isPresent(settings.jointsFile) || !isPresent(inside) ? settings.jointsFile : inside;
 }
 
 }  // namespace
@@ -495,19 +494,19 @@ model::Model readModelFolder(const fs::path& folder, const ReadSettings& setting
 
   JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
   const bool hasOwnJoints = joints.file.lexically_normal().filename() == "constraints.txt";
-  if (hasOwnJoints && fs::exists(folder / "necks.txt")) readNecks(folder / "necks.txt", joints);
+  if (hasOwnJoints && isPresent(folder / "necks.txt")) readNecks(folder / "necks.txt", joints);
   repairBase(joints, tiles, model, warnings);
   dropRepeatedJoints(joints, model, warnings);
   model.joints = checkedJoints(joints, tiles);
   checkClosed(joints, model, tiles, warnings);
 
-  if (fs::exists(folder / "target.txt")) {
+  if (isPresent(folder / "target.txt")) {
     const TileTable target = readTiles(folder / "target.txt");
     checkTargets({target}, model, tiles, warnings);
     model.target = target.tiles;
   }
-  if (fs::exists(folder / "hull.txt")) model.hull = readHull(folder / "hull.txt", model.tiles);
-  if (fs::exists(folder / "pull.txt")) {
+  if (isPresent(folder / "hull.txt")) model.hull = readHull(folder / "hull.txt", model.tiles);
+  if (isPresent(folder / "pull.txt")) {
     model.pulledTiles = readPulledTiles(folder / "pull.txt", static_cast<int>(model.tiles.size()));
   }
   turnClockwiseTiles(tiles, model, warnings);

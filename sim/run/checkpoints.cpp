@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 #include "sim/trajectory/array_file.h"
 
@@ -43,7 +44,7 @@ Checkpoints::Checkpoints(fs::path folder, std::string order, CheckpointPace pace
 std::string Checkpoints::find() {
   const std::string place = fmt::format("the checkpoint in {}", folder_.string());
   // A link may point to any place.
-  if (fs::is_symlink(folder_) || !fs::exists(folder_ / kState)) {
+  if (fs::is_symlink(folder_) || !isPresent(folder_ / kState)) {
     remove();
     return "";
   }

@@ -34,6 +34,7 @@
 #include <hdf5.h>
 
 #include "sim/base/error.h"
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 
 #ifndef H5_HAVE_THREADSAFE
@@ -479,12 +480,11 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
   Internals& in = *internals_;
   in.path = std::move(path);
   const Handle access = accessProperties();
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(in.path, error)) {
-    throw InputError(
-        fmt::format("{}: error: there is no such file. Give a trajectory.h5 from kirireel record",
-                    in.path.string()));
+  if (!isFile(in.path)) {
+    throw InputError(fmt::format("{}: error: {}. Give a trajectory.h5 from kirireel record",
+                                 in.path.string(), whyAbsent(in.path, "file")));
   }
+  std::error_code error;
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
   // Checks the bytes themselves, before HDF5 opens the file.
   if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");

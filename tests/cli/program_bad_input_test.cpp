@@ -93,6 +93,26 @@ TEST(BadModel, NoSuchFolder) {
   expectOneLine(runKirireel({"record", "/no/such/model"}), 2, "/no/such/model: error: ");
 }
 
+// The system cannot look up names of more than 255 bytes.
+TEST(BadModel, NamesThatAreTooLong) {
+  const std::string name(300, 'a');
+  const std::string known = shippedModel("fan").string();
+  const std::vector<std::vector<std::string>> commands = {{"inspect", name},
+                                                          {"inspect", name + ".svg"},
+                                                          {"simulate", name + ".toml"},
+                                                          {"simulate", known, "--target", name},
+                                                          {"render", name},
+                                                          {"curves", name},
+                                                          {"page", name},
+                                                          {"verify", name},
+                                                          {"sweep", name + ".toml"},
+                                                          {"figure", name + ".toml"}};
+  for (const std::vector<std::string>& command : commands) {
+    SCOPED_TRACE(command.front());
+    expectOneLine(runKirireel(command), 2, "error: ");
+  }
+}
+
 TEST(BadCommandLine, EndsWithTwo) {
   expectOneLine(runKirireel({"record", "fan", "--thicknes", "1"}), 2,
                 "unknown option --thicknes, did you mean --thickness?");

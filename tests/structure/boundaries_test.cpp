@@ -284,6 +284,18 @@ TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
   EXPECT_THAT(starters, testing::ElementsAre("render/fea/outside_program.cpp"));
 }
 
+// A name that the system cannot look up must not end in its exception.
+TEST(Boundaries, NamesAreLookedUpWithoutExceptions) {
+  const std::regex throwing(
+      "\\b(fs|filesystem)::(exists|is_regular_file|is_directory)\\([^;{]*\\)");
+  const std::regex quiet("status|error|ignored");
+  for (const SourceFile& file : sources()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    for (std::sregex_iterator found(text.begin(), text.end(), throwing), end; found != end; ++found)
+      EXPECT_TRUE(std::regex_search(found->str(), quiet)) << file.path << ": " << found->str();
+  }
+}
+
 // The files that a run reads identify it, so all of them must be recorded.
 TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
   EXPECT_THAT(usersOf("fstream"), testing::ElementsAre("sim/base/files.cpp", "sim/base/files.h"));
