@@ -174,6 +174,15 @@ std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Pos
   return moments;
 }
 
+const HingeSpring* findJump(std::span<const HingeSpring> springs, const Poses& from,
+                            const Poses& to) {
+  const auto jumps = [&](const HingeSpring& spring) {
+    return std::abs(hingeAngle(spring.hinge, to) - hingeAngle(spring.hinge, from)) > 2 * kPi;
+  };
+  const auto found = std::ranges::find_if(springs, jumps);
+  return found == springs.end() ? nullptr : &*found;
+}
+
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses) {
   double sum = 0;
   for (const HingeSpring& spring : springs) {

@@ -28,9 +28,10 @@ namespace kirireel::brick {
 ///                 The angle is FOLD's: 0 if the tiles are flat, positive for a valley
 ///                 (the fold is on the side of the first tile's normal).
 ///
-/// The angle depends only on the poses. It is continuous during a run. The quaternion's sign
-/// changes with each full turn, so angles that differ by one full turn are different. Angles that
-/// differ by two full turns are equal.
+/// The angle depends only on the poses. The quaternion's sign changes with each full turn, so
+/// angles that differ by one full turn are different. Angles that differ by two full turns are
+/// equal: the angle is continuous within one full turn to both sides of the middle of least and
+/// most. A run ends before it leaves them, see findJump().
 struct Hinge {
   int brickA = 0;                   ///< number, zero-based
   int brickB = 0;                   ///< number, zero-based
@@ -72,6 +73,11 @@ double hingeRate(const Hinge& hinge, const Motion& motion);
 /// The moment of each spring at rest at these poses, N m, positive towards larger angles. One per
 /// spring, in the same order. Damping is not included.
 std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses);
+
+/// The first spring whose angle jumps between these poses, because its bricks turned by more than a
+/// full turn past the middle of their range; null if there is none.
+const HingeSpring* findJump(std::span<const HingeSpring> springs, const Poses& from,
+                            const Poses& to);
 
 /// Stored energy of the springs at these poses, joules: sum of stiffness (angle - rest)^2 / 2.
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);

@@ -171,15 +171,9 @@ void Run::takeStep() {
   };
   try {
     const StepReport report = advanceBricks();
-    if (motion_.isLost()) {
-      const double lostAt = time();
+    if (std::string fault = faultOfStep(); !fault.empty()) {
       takeBack();
-      const bool areLoose = bricks_.scene.model.joints.empty();
-      return end(
-          {Outcome::Diverged, fmt::format("{} left all bounds at {:.4g} s. Try {}",
-                                          areLoose ? "a brick without joints" : "a brick", lostAt,
-                                          areLoose ? "a shorter `duration`, or `actuation = none`"
-                                                   : "a shorter `timestep` or more damping")});
+      return end({Outcome::Diverged, std::move(fault)});
     }
     recorder_.observe(report, drive_.jointsAreCompliant());
     rest_.observe(motion_, clock_.length(), report, drive_.isOnPath());
@@ -187,6 +181,25 @@ void Run::takeStep() {
     takeBack();
     throw;
   }
+}
+
+// Why the last step does not count; empty if it does.
+std::string Run::faultOfStep() const {
+  if (motion_.isLost()) {
+    const bool areLoose = bricks_.scene.model.joints.empty();
+    return fmt::format("{} left all bounds at {:.4g} s. Try {}",
+                       areLoose ? "a brick without joints" : "a brick", time(),
+                       areLoose ? "a shorter `duration`, or `actuation = none`"
+                                : "a shorter `timestep` or more damping");
+  }
+  const brick::HingeSpring* spring = brick::findJump(brick::hingeSpringsOf(bricks_.ties.pairForces),
+                                                     motion_.before().poses, motion_.poses());
+  if (!spring) return {};
+  const int countsFrom = bricks_.scene.model.fileOrder.countsFrom;
+  return fmt::format(
+      "the hinge of tiles {} and {} turned by more than a full turn at {:.4g} s; its spring has no "
+      "angle there. Try `contacts = all`",
+      countsFrom + spring->hinge.brickA, countsFrom + spring->hinge.brickB, time());
 }
 
 // The phase of the step, then the solver, with the energy account before and after.

@@ -115,6 +115,7 @@ class Run : private TimelineStage {
   void advance();
   double nextMoment() const;
   void takeStep();
+  std::string faultOfStep() const;
   StepReport advanceBricks();
   void end(RunEnding ending);
   void interrupt() { end({Outcome::Interrupted, "ended early by the caller"}); }
