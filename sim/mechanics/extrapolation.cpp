@@ -396,10 +396,15 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
 
 std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
                                           const StepFilter& mayTake, StepReport& report) {
-  const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
+  double energy = 0;
   if (settings_.keepsEnergy) {
+    // Joints may not allow the velocities after steps of first order. The first Euler step projects
+    // them. The energy that this takes is no error of the step.
+    Motion allowed = motion;
+    solver_.collide(allowed);
+    energy = solver_.energy(allowed);
     mostEnergy_ = std::max(mostEnergy_, energy);
-    energyRounding_ = std::max(energyRounding_, roundingOf(motion, energy));
+    energyRounding_ = std::max(energyRounding_, roundingOf(allowed, energy));
   }
   while (true) {
     const StepSearch search = tryLengths(motion, energy, seconds, loads, mayTake, report);
