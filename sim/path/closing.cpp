@@ -51,11 +51,11 @@ constexpr double kStill = 1e-9;
 // kNodes gaps.
 constexpr double kNearGap = 1e-3;
 constexpr std::size_t kNodes = 5;
-// For rounded tiles, this multiple of the root of the rounding is used.
+// The gaps of rounded tiles, as a multiple of the root of the rounding in tiles.
 constexpr double kAboveRounding = 10;
-// At the end, smaller gaps are shut, radians. For rounded tiles the limit is kShutDigits digits.
+// At the end, smaller gaps are shut, radians. A compact state is singular: rounded tiles leave
+// gaps of about the root of the rounding.
 constexpr double kShut = 1e-6;
-constexpr double kShutDigits = 100;  // of the last digit, in tiles
 constexpr int kBisections = 40;
 
 scene::Scene withoutSurroundings(scene::Scene scene) {
@@ -134,10 +134,9 @@ class ClosingPath {
   /// Below this gap the end is extrapolated, radians. Rounded joints resist motions whose singular
   /// values exceed the root of the rounding in tiles. Singular values are about as large as the
   /// gap.
-  double nearGap() const {
-    if (isExact()) return kNearGap;
-    return std::max(kNearGap, kAboveRounding * std::sqrt(scene_.model.rounding / tile_));
-  }
+  double nearGap() const { return std::max(kNearGap, gapOfRounding()); }
+  /// Gaps that rounding alone may leave, radians.
+  double gapOfRounding() const { return kAboveRounding * std::sqrt(scene_.model.rounding / tile_); }
 
   bool mayContinue() {
     return !budget_.isSpent() && (!shouldContinue_ || shouldContinue_(budget_.share()));
@@ -286,8 +285,7 @@ class ClosingPath {
   }
 
   void note(bool meetBetween) {
-    const double shut =
-        isExact() ? kShut : std::max(kShut, kShutDigits * scene_.model.rounding / tile_);
+    const double shut = std::max(kShut, gapOfRounding());
     std::size_t count = 0;
     for (std::size_t k = 0; k < hinges_.size(); ++k) {
       count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= shut;

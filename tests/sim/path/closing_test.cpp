@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,6 +72,27 @@ TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
     EXPECT_LE(distanceAtBest(end, *model.target), 1e-6 * tile) << model.name;
     EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile) << model.name;
     EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile) << model.name;
+  }
+}
+
+// Compact states are singular: corners with errors of r leave hinges open by the root of r.
+TEST(Closing, CountsTheHingesOfRoundedTilesAsClosed) {
+  for (const double rounding : {1e-10, 1e-8}) {  // of a tile
+    for (const char* family : {"tessellation", "fan"}) {
+      model::Model model =
+          generate::generateModel(generate::familyNamed(family), {{"start-angle", 40}});
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> error(-0.5, 0.5);
+      model.rounding = rounding * model::tileSize(model);
+      for (model::Tile& tile : model.tiles) {
+        for (Vector3& vertex : tile.vertices)
+          vertex += model.rounding * Vector3(error(random), error(random), 0);
+      }
+      const run::DeploymentResult run = deploy::deploy(closing(model), 1.0 / 20, nullptr);
+      const std::size_t hinges = model.joints.size();
+      EXPECT_THAT(run.reason, HasSubstr(fmt::format("{} of {} hinges are closed", hinges, hinges)))
+          << family << rounding;
+    }
   }
 }
 
