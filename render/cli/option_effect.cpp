@@ -396,10 +396,10 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;
   if (isGuided && !isDirect(scene)) refuse("--path guided", "--solver direct");
   if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
-  for (const auto& [isGiven, option] :
+  for (const auto& [isSet, option] :
        {std::pair(scene.solver.isToleranceGiven(), "--tolerance"),
         std::pair(scene.solver.measuresTimeError, "--measure-time-error")}) {
-    if (!isGuided || !isGiven) continue;
+    if (!isGuided || !isSet) continue;
     throw InputError(
         fmt::format("error: --path guided moves tiles in fixed steps and has no {}. Remove one of "
                     "them",

@@ -98,10 +98,9 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
   writeTextFile(input, geometry);
   std::vector<std::string> all = {"gmsh", input, "-o", output, "-nt", "1", "-v", "2", "-nopopup"};
   all.insert(all.end(), words.begin(), words.end());
-  const int end =
-      runProgram(all, log,
-                 fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
-                             name.ends_with(".msh") ? "other --joints" : "another format"));
+  const int end = runProgram(
+      all, log, fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
+                            name.ends_with(".msh") ? "other --joints" : "another format"));
   std::string text = writtenText(output);
   if (end == 0 && !text.empty()) return text;
   // The first error is the cause of later ones.

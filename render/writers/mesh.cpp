@@ -42,9 +42,6 @@ namespace {
 
 using Face = std::vector<unsigned>;
 
-/// Integers that a float holds exactly.
-[[maybe_unused]] constexpr std::size_t kMostCorners = 1U << 24U;
-
 /// The corners of all bricks in world axes, metres: for each brick its bottom, then its top.
 std::vector<Vector3> worldCorners(const std::vector<brick::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
@@ -52,8 +49,8 @@ std::vector<Vector3> worldCorners(const std::vector<brick::Brick>& bricks, const
     for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
     for (const Vector3& point : bricks[k].top) corners.push_back(poses[k].apply(point));
   }
-  // The readers of models allow far fewer tiles.
-  assert(corners.size() <= kMostCorners);
+  // A float holds these numbers exactly. The readers of models allow far fewer tiles.
+  assert(corners.size() <= std::size_t{1} << 24U);
   return corners;
 }
 

@@ -192,8 +192,9 @@ std::vector<NearGap> NearGapFinder::findBetween(const std::array<Poses, 2>& ends
   ++state_;
   for (NearBrickPair& ofBricks : pairs_) {
     for (PiecePair& pair : ofBricks.pieces) {
+      if (pair.ofEnds[1] == pair.ofEnds[0]) pair.ofEnds[1].reset();
       for (const auto& plane : pair.ofEnds) {
-        if (!plane || (&plane != &pair.ofEnds.front() && plane == pair.ofEnds.front())) continue;
+        if (!plane) continue;
         const PlacedOutline &placedA = place(pair.a, poses), &placedB = place(pair.b, poses);
         pair.known = *plane;
         const double distance = contacts::separation((*pair.planes)[*plane], placedA, placedB);
