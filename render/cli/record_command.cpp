@@ -167,10 +167,9 @@ std::optional<record::FinishedRun> findFinished(const record::RecordSettings& se
 /// A file given by its path, or by its name in the model's folder.
 std::filesystem::path besideModel(const std::filesystem::path& file,
                                   const std::filesystem::path& model) {
-  if (file.empty() || model.empty() || isPresent(file)) return file;
+  if (file.empty() || model.empty()) return file;
   const std::filesystem::path place = findModel(model);
-  const std::filesystem::path inFolder = (isFolder(place) ? place : place.parent_path()) / file;
-  return isPresent(inFolder) ? inFolder : file;
+  return namedFile(file, isFolder(place) ? place : place.parent_path());
 }
 
 }  // namespace

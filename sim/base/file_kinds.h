@@ -26,6 +26,12 @@ inline bool isFolder(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path, ignored);
 }
 
+/// A file that the user named by its path, or by its name in a folder.
+inline std::filesystem::path namedFile(const std::filesystem::path& file,
+                                       const std::filesystem::path& folder) {
+  return isPresent(file) || !isPresent(folder / file) ? file : folder / file;
+}
+
 /// Why a path names nothing. `kind`: "file" or "folder".
 inline std::string whyAbsent(const std::filesystem::path& path, const std::string& kind) {
   std::error_code error;

@@ -43,15 +43,14 @@ std::string digestOf(std::istream& stream) {
 
 void requireReadable(const std::filesystem::path& file, const std::string& purpose,
                      std::uintmax_t mostBytes) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  if (!std::filesystem::exists(status)) {
+  if (!isPresent(file)) {
     throw inputErrorAt({file}, fmt::format("{}; {}", whyAbsent(file, "file"), purpose));
   }
   // A device or a pipe has no size and may never end.
-  if (!std::filesystem::is_regular_file(status)) {
+  if (!isFile(file)) {
     throw inputErrorAt({file}, fmt::format("this is not a text file; {}", purpose));
   }
+  std::error_code ignored;
   const std::uintmax_t size = std::filesystem::file_size(file, ignored);
   if (size > mostBytes) {
     throw inputErrorAt({file}, fmt::format("the file has {} bytes, but at most {} are allowed; {}",

@@ -118,12 +118,6 @@ bool contains(const std::vector<fs::path>& files, const fs::path& file) {
   return std::find(files.begin(), files.end(), file) != files.end();
 }
 
-/// The list that the user named: a path, or a file name in the folder of the vertices.
-fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
-  const fs::path inFolder = vertices.parent_path() / jointsFile;
-  return isPresent(jointsFile) || !isPresent(inFolder) ? jointsFile : inFolder;
-}
-
 // The user's choice, else the matching list, else the default name, else the only list.
 fs::path chosenList(const fs::path& named, const fs::path& vertices,
                     const std::vector<fs::path>& lists) {
@@ -195,7 +189,7 @@ PlanarPlace planarPlace(const fs::path& named, const fs::path& jointsFile) {
   place.otherJoints = jointLists(place.vertices);
   place.otherHulls = partsOfModel(place.vertices, kHull);
   place.joints = jointsFile.empty() ? chosenList(named, place.vertices, place.otherJoints)
-                                    : namedList(jointsFile, place.vertices);
+                                    : namedFile(jointsFile, place.vertices.parent_path());
   place.hull = chosenHull(named, place.joints, place.otherHulls);
   remove(place.otherJoints, place.joints);
   if (place.hull) remove(place.otherHulls, *place.hull);

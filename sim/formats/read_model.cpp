@@ -476,8 +476,7 @@ std::string hullText(const std::vector<model::Corner>& hull) {
 // An existing path as given has priority over one within the folder.
 fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return folder / "constraints.txt";
-  const fs::path inside = folder / settings.jointsFile;
-  return isPresent(settings.jointsFile) || !isPresent(inside) ? settings.jointsFile : inside;
+  return namedFile(settings.jointsFile, folder);
 }
 
 }  // namespace

@@ -44,7 +44,8 @@ Checkpoints::Checkpoints(fs::path folder, std::string order, CheckpointPace pace
 std::string Checkpoints::find() {
   const std::string place = fmt::format("the checkpoint in {}", folder_.string());
   // A link may point to any place.
-  if (fs::is_symlink(folder_) || !isPresent(folder_ / kState)) {
+  std::error_code ignored;
+  if (fs::is_symlink(folder_, ignored) || !isPresent(folder_ / kState)) {
     remove();
     return "";
   }
