@@ -24,6 +24,7 @@
 #include <cairo-ft.h>
 #include <cairo-pdf.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "render/picture/picture_geometry.h"
 #include "render/picture/png.h"

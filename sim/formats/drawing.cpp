@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/files.h"
 #include "sim/formats/text_table.h"

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -295,6 +295,15 @@ TEST(Boundaries, NamesAreLookedUpWithoutExceptions) {
   }
 }
 
+// New versions of fmt declare `join` only there.
+TEST(Boundaries, FilesThatJoinTextsIncludeItsHeader) {
+  for (const SourceFile& file : sources()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    if (text.find("fmt::join(") == std::string::npos) continue;
+    EXPECT_TRUE(file.includes.contains("fmt/ranges.h")) << file.path;
+  }
+}
+
 // The files that a run reads identify it, so all of them must be recorded.
 TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
   EXPECT_THAT(usersOf("fstream"), testing::ElementsAre("sim/base/files.cpp", "sim/base/files.h"));
