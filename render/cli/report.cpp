@@ -268,43 +268,29 @@ void ProgressLine::show(const std::string& line) {
 
 namespace {
 
-/// "target reached, error 1e-13 m", "target missed by ...", "settled after 6 s: ...".
+/// "target reached, error 1e-13 m", "came to rest 0.2 m short of the target: ...", "settled after
+/// 6 s: ...".
 std::string describeEnd(const scene::Scene& scene, const record::RunSummary& summary) {
   using enum run::Outcome;
-  const std::string end =
-      fmt::format("{} after {:.4g} s",
-                  summary.outcome == OutOfTime ? "still moving" : run::toString(summary.outcome),
-                  summary.endTime);
-  const double error = summary.accuracy.targetErrorEnd;
-  const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
-  // For a load path, the reason is the outcome and its stability.
-  const bool isWhole = summary.outcome == Interrupted ||
-                       (summary.outcome == OutOfTime && !summary.atTarget) ||
-                       (summary.loadCurve && summary.outcome != Diverged);
-  if (isWhole) return summary.reason;
+  const bool isDiverged = summary.outcome == Diverged;
+  const bool isOpen = summary.outcome == OutOfTime && !summary.atTarget;
+  const bool isWhole = summary.loadCurve || summary.atTarget == false || isOpen;
+  if (summary.outcome == Interrupted || (isWhole && !isDiverged)) return summary.reason;
   if (summary.atTarget == true) {
-    return fmt::format("target reached, error {}", lengthText(error, scene.model.unit, 2));
+    return fmt::format("target reached, error {}",
+                       lengthText(summary.accuracy.targetErrorEnd, scene.model.unit, 2));
   }
-  if (summary.atTarget && summary.outcome != Diverged) {
-    return fmt::format("target missed by {}, {}", inTiles(error, scene.model), end);
-  }
-  return isFailed || summary.shortfall.empty() ? end + ": " + summary.reason : end;
+  const std::string end =
+      fmt::format("{} after {:.4g} s", run::toString(summary.outcome), summary.endTime);
+  const bool isExplained = isDiverged || summary.outcome == Locked || summary.shortfall.empty();
+  return isExplained ? end + ": " + summary.reason : end;
 }
 
-/// The end, and any shortfall other than a missed target.
+/// The end, and all faults of the run.
 std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
-  using enum run::Outcome;
   std::string text = describeEnd(scene, summary);
-  if (summary.shortfall.empty() || summary.outcome == Interrupted) return text;
-  // The reason of a run without a target has its shortfall.
-  const bool isExplained = summary.atTarget == false || summary.outcome == Locked ||
-                           text.find(summary.shortfall) != std::string::npos;
-  if (!isExplained) {
-    text += summary.forbiddenOverlap > 0
-                ? fmt::format(", but tiles overlap by {}",
-                              lengthText(summary.forbiddenOverlap, scene.model.unit, 2))
-                : ", but " + summary.shortfall;
-  }
+  if (summary.shortfall.empty() || summary.outcome == run::Outcome::Interrupted) return text;
+  if (text.find(summary.shortfall) == std::string::npos) text += ", but " + summary.shortfall;
   return fmt::format("{}; exit code {}", text, kExitShort);
 }
 

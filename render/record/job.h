@@ -158,9 +158,8 @@ struct RunSummary : PictureReport {
   run::Outcome outcome = run::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                              ///< one line: reason for the end
   std::optional<bool> atTarget;                    ///< at the end; absent without a target drive
-  std::string shortfall;        ///< why the run counts as incomplete; empty if it is complete
-  double forbiddenOverlap = 0;  ///< see run::DeploymentResult; metres
-  double endTime = 0;           ///< simulated seconds
+  std::string shortfall;      ///< why the run counts as incomplete; empty if it is complete
+  double endTime = 0;         ///< simulated seconds
   /// Time at which the first brick was farther away than pictures show (see kFarthestShown),
   /// simulated seconds. Its data continue.
   std::optional<double> leftOutFrom;

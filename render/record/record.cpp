@@ -137,7 +137,6 @@ void noteResult(const run::DeploymentResult& result, double endTime, RunSummary&
   summary.reason = result.reason;
   summary.atTarget = result.atTarget;
   summary.shortfall = result.shortfall;
-  summary.forbiddenOverlap = result.forbiddenOverlap;
   summary.endTime = endTime;
   summary.needs = result.needs;
   summary.accuracy = result.accuracy;

@@ -272,6 +272,13 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
         "too many bricks are in one place. The overlap is the largest of the first {} pairs",
         trajectory::mostPairs(scene.model.tiles.size())));
   }
+  const scene::TargetSpringSettings& springs = scene.springs;
+  const bool isGuided = choice.path.kind == scene::PathKind::Guided;
+  if (isGuided && (springs.dampingRatio < 1 || springs.forceDamping || springs.torqueDamping)) {
+    result.warnings.push_back(
+        "the springs that guide the tiles are critically damped: the given damping of springs does "
+        "not apply to them. It applies with `path = straight`");
+  }
   result.pathReason = choice.reason + (result.pathReason.empty() ? "" : "; " + result.pathReason);
   return result;
 }
@@ -382,13 +389,9 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   if (result.outcome == run::Outcome::Interrupted || result.outcome == run::Outcome::Diverged)
     return;
   std::vector<std::string> faults;
-  if (result.outcome == run::Outcome::Locked || result.atTarget == false) {
-    faults.push_back(result.reason);
-  }
   const double tile = model::tileSize(scene.model);
   const bool isOverlapping = grown > run::kClearShare * tile;
   if (isOverlapping) {
-    result.forbiddenOverlap = grown;
     faults.push_back(
         fmt::format("bricks overlap by up to {}", model::lengthInTiles(grown, scene.model)));
   }
@@ -403,11 +406,10 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
     faults.push_back("the search for a path spent its budget. Raise `search_effort`");
     result.warnings.push_back(faults.back());
   }
-  result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
-  const bool hasReason = !faults.empty() && faults.front() == result.reason;
-  if (!faults.empty()) {
-    result.reason = hasReason ? result.shortfall : result.reason + "; " + result.shortfall;
-  }
+  const std::string further = fmt::format("{}", fmt::join(faults, "; "));
+  if (!faults.empty()) result.reason += "; " + further;
+  const bool isAtEnd = result.outcome != run::Outcome::Locked && result.atTarget != false;
+  result.shortfall = isAtEnd ? further : result.reason;
   result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
 }
 

@@ -371,9 +371,13 @@ class PathSearch {
 
   /// Describes a path that reaches the equilibrium of the scene's springs.
   std::string describeArrival() const {
-    return atTarget_.nearest.restError <= run::kFarShare * model::tileSize(scene_.model)
-               ? " arrives"
-               : " reaches the nearest known state with closed joints";
+    const scene::Environment& environment = scene_.environment;
+    const bool isLoaded = environment.ground || !environment.gravity.isZero(0);
+    const bool isExact =
+        atTarget_.nearest.restError <= run::kFarShare * model::tileSize(scene_.model);
+    return fmt::format("{}{}",
+                       isExact ? " arrives" : " reaches the nearest known state with closed joints",
+                       isLoaded ? " without gravity and ground" : "");
   }
 
   // In the plane without contacts, a straight pull with longer steps is tried

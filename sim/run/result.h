@@ -103,8 +103,7 @@ struct DeploymentResult {
   /// Why the run is not successful, in one line; empty if it is. Reasons: the target is missed,
   /// bricks with contacts overlap, or the budget ended the search.
   std::string shortfall;
-  double forbiddenOverlap = 0;  ///< overlap in `shortfall`, metres; 0 if there is none
-  Accuracy accuracy;            ///< gaps, errors and overlaps, metres
+  Accuracy accuracy;          ///< gaps, errors and overlaps, metres
   /// Largest move of a vertex at any sample if the tolerance is divided by a hundred, tiles. Absent
   /// if not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
   std::optional<double> timeError;

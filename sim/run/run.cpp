@@ -580,6 +580,18 @@ bool RunReasons::isGravityActing() const {
   return bricks_.needs.planar.on ? !gravity.head<2>().isZero(0) : !gravity.isZero(0);
 }
 
+// Whether friction on the ground carries a part of the pull, as in the last step.
+bool RunReasons::isFrictionActing() const {
+  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  const double least = kActingShare * largestOf(forcesAtRest(), bricks_.tileSize);
+  return std::ranges::any_of(
+      forces_.holds(forces_.time(), atRest), [&](const trajectory::Hold& hold) {
+        const bool isOfGround =
+            hold.kind == trajectory::HoldKind::Contact && hold.other == trajectory::Hold::kGround;
+        return isOfGround && hold.force.head<2>().norm() > least;
+      });
+}
+
 // The tiles whose pins carry load, from the reactions of the state at rest.
 std::vector<std::string> RunReasons::loadedPins() const {
   const std::vector<bool>& pinned = forces_.pinned();
@@ -607,6 +619,7 @@ std::vector<std::string> RunReasons::loadedPins() const {
 std::vector<std::string> RunReasons::otherForces() const {
   std::vector<std::string> others;
   if (isGravityActing()) others.emplace_back("gravity");
+  if (isFrictionActing()) others.emplace_back("friction on the ground");
   std::vector<Vector6> between(bricks_.bricks.size(), Vector6::Zero());
   const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
   for (const std::shared_ptr<const brick::PairForce>& force : bricks_.ties.pairForces) {

@@ -46,6 +46,7 @@ class RunReasons {
   std::vector<std::string> otherForces() const;
   std::vector<Vector6> forcesAtRest() const;
   bool isGravityActing() const;
+  bool isFrictionActing() const;
   bool isImmobile() const;
 
   const SceneBricks& bricks_;

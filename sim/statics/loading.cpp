@@ -455,7 +455,6 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
   const double grown = scene.hinges.panels ? 0 : result.accuracy.penetrationGrownMax;
   if (grown > run::kClearShare * tile) {
     result.outcome = run::Outcome::Locked;
-    result.forbiddenOverlap = grown;
     const std::string overlap = fmt::format(
         "tiles overlap by up to {}. Equilibria under grips have no contacts, so the sheet can pass "
         "through itself",

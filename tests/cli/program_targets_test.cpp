@@ -59,14 +59,14 @@ TEST_F(Targets, AMissedOneIsReportedInSixLines) {
   const ProgramEnd end = simulate(model, {});
   EXPECT_EQ(end.exitCode, kEndedShort);
   EXPECT_EQ(end.err, "");
-  EXPECT_THAT(
-      end.out,
-      MatchesRegex("model: target missed by 0.5[0-9]* m \\(0.5[0-9]* tiles\\), "
-                   "locked after [0-9.]+ s; exit code 3\n(.*\n)*.*; 2 warnings: --verbose\n"));
+  EXPECT_THAT(end.out,
+              MatchesRegex("model: the path ends 0.5[0-9]* m short of the target: .*; exit code 3\n"
+                           "(.*\n)*.*; 2 warnings: --verbose\n"));
   EXPECT_LE(std::ranges::count(end.out, '\n'), 6);
   const ProgramEnd late = simulate(model, {"--path", "dynamic", "--duration", "0.1"});
-  EXPECT_THAT(late.out, MatchesRegex("model: target missed by .*, still moving after 0.1 s; exit "
-                                     "code 3\n(.*\n)*"));
+  EXPECT_THAT(late.out,
+              MatchesRegex("model: still moving after 0.1 s, at [0-9.]+ m/s at most, [0-9.]+ m "
+                           "from the target; exit code 3\n(.*\n)*"));
 }
 
 TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {

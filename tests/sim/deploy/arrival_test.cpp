@@ -95,20 +95,45 @@ TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
   EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("spent its budget")));
 }
 
-// Bricks that lie on the ground are pulled by less than friction holds.
-TEST(Arrival, FrictionThatHoldsASheetIsReported) {
-  scene::Scene scene = sceneOf(familyOf("tessellation", {{"columns", 2}, {"rows", 2}}));
+scene::Scene sceneOnRoughGround(const char* family, double gravity,
+                                const std::map<std::string, double>& values = {}) {
+  scene::Scene scene = sceneOf(familyOf(family, values));
   scene.environment.ground = scene::Ground{};
   scene.environment.ground->height = scene::lowestPoint(scene);
-  scene.environment.gravity = {0, 0, -1e4};
+  scene.environment.gravity = {0, 0, -gravity};
   scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 4;
+  return scene;
+}
+
+// Bricks that lie on the ground are pulled by less than friction holds.
+TEST(Arrival, FrictionThatHoldsASheetIsReported) {
+  const scene::Scene scene = sceneOnRoughGround("tessellation", 1e4, {{"columns", 2}, {"rows", 2}});
   const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(run.atTarget, false);
   EXPECT_THAT(run.shortfall, HasSubstr("friction on the ground holds the tiles: the drive pulls "
                                        "each with at most "));
   // mu m g = 0.5 * 1 kg * 1e4 m/s2.
   EXPECT_THAT(run.shortfall, HasSubstr("friction holds up to mu m g = 5e+03 N"));
+}
+
+// The pull on single tiles is larger than their friction, but joints share it among all tiles.
+TEST(Arrival, FrictionThatHoldsASheetWithAPinIsReported) {
+  scene::Scene scene = sceneOnRoughGround("tessellation", 9000, {{"columns", 4}, {"rows", 4}});
+  scene.timeline = {{{}, scene::timeline::Pin{{15}}, {}}};
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.atTarget, false);
+  EXPECT_THAT(run.shortfall, HasSubstr("in equilibrium with friction on the ground, the pins of "));
+}
+
+// Springs that guide are critically damped, so they take energy from a scene without any damping.
+TEST(Arrival, DampingOfGuidesIsReportedInAnUndampedScene) {
+  scene::Scene scene = sceneOf(familyOf("tessellation", {{"columns", 2}, {"rows", 2}}));
+  scene.path.kind = scene::PathKind::Guided;
+  const auto isAboutDamping = HasSubstr("the springs that guide the tiles are critically damped");
+  EXPECT_THAT(deploy::deploy(scene, 1, nullptr).warnings, Not(testing::Contains(isAboutDamping)));
+  scene.springs.dampingRatio = 0;
+  EXPECT_THAT(deploy::deploy(scene, 1, nullptr).warnings, testing::Contains(isAboutDamping));
 }
 
 }  // namespace
