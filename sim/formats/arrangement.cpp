@@ -74,14 +74,14 @@ Arrangement::Arrangement(const std::vector<PlaneSegment>& segments, double toler
       }
     }
     if (touches) return;
-    const Vector2 u = segments[i].second - segments[i].first;
-    const Vector2 v = segments[j].second - segments[j].first;
-    const double area = crossOf(u, v);
-    if (area == 0) return;
-    const Vector2 apart = segments[j].first - segments[i].first;
-    const double s = crossOf(apart, v) / area, t = crossOf(apart, u) / area;
-    if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return;
-    const int node = numbers_.add(segments[i].first + s * u);
+    const auto& [from, to] = segments[i];
+    const auto shares =
+        crossingShares(from, to - from, segments[j].first, segments[j].second - segments[j].first);
+    if (!shares || std::min(shares->first, shares->second) <= 0 ||
+        std::max(shares->first, shares->second) >= 1) {
+      return;
+    }
+    const int node = numbers_.add(from + shares->first * (to - from));
     split(i, node);
     split(j, node);
   });

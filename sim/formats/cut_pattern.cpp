@@ -644,14 +644,13 @@ class CutPatternReader {
     visitNearSegments(sides, tolerance_, [&](int i, int j) {
       if (place || (ringOf[i] == ringOf[j]) != isItself) return;
       const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
-      const double area = crossOf(u, v);
-      if (area == 0) return;
-      const Vector2 apart = sides[j].first - sides[i].first;
-      const double s = crossOf(apart, v) / area, t = crossOf(apart, u) / area;
+      const auto shares = crossingShares(sides[i].first, u, sides[j].first, v);
       const auto isInside = [&](double share, const Vector2& side) {
         return std::min(share, 1 - share) * side.norm() > tolerance_;
       };
-      if (isInside(s, u) && isInside(t, v)) place = sides[i].first + s * u;
+      if (shares && isInside(shares->first, u) && isInside(shares->second, v)) {
+        place = sides[i].first + shares->first * u;
+      }
     });
     return place;
   }

@@ -55,11 +55,9 @@ class RayTracer {
     }
     for (int i = 0; i < std::ssize(rays_); ++i) {
       for (int j = i + 1; j < std::ssize(rays_); ++j) {
-        const double area = crossOf(rays_[i].along, rays_[j].along);
-        if (std::abs(area) < 1e-3) continue;
-        const Vector2 apart = rays_[j].from - rays_[i].from;
-        const double s = crossOf(apart, rays_[j].along) / area;
-        const double t = crossOf(apart, rays_[i].along) / area;
+        if (std::abs(crossOf(rays_[i].along, rays_[j].along)) < 1e-3) continue;
+        const auto [s, t] =
+            *crossingShares(rays_[i].from, rays_[i].along, rays_[j].from, rays_[j].along);
         const bool isAhead = s > tolerance_ && t > tolerance_;
         if (!isAhead || s > rays_[i].hit + tolerance_ || t > rays_[j].hit + tolerance_) continue;
         if (s == kNever || t == kNever) continue;
@@ -191,10 +189,9 @@ int findHit(CutRay& ray, const Arrangement& lines, double tolerance) {
     }
     if (hasEnd) continue;
     const Vector2 a = lines.at(first), line = lines.at(second) - a;
-    const double area = crossOf(ray.along, line);
-    if (area == 0) continue;
-    const double ahead = crossOf(a - ray.from, line) / area;
-    const double share = crossOf(a - ray.from, ray.along) / area;
+    const auto shares = crossingShares(ray.from, ray.along, a, line);
+    if (!shares) continue;
+    const auto [ahead, share] = *shares;
     if (ahead <= tolerance || ahead >= ray.hit || share < 0 || share > 1) continue;
     ray.hit = ahead;
     ray.hitPlace = a + share * line;
@@ -215,11 +212,8 @@ std::vector<double> crossingsOf(const std::vector<PlaneSegment>& border, const V
                                 const Vector2& along) {
   std::vector<double> distances;
   for (const auto& [a, b] : border) {
-    const Vector2 line = b - a;
-    const double area = crossOf(along, line);
-    if (area == 0) continue;
-    const double share = crossOf(a - from, along) / area;
-    if (share >= 0 && share <= 1) distances.push_back(crossOf(a - from, line) / area);
+    const auto shares = crossingShares(from, along, a, b - a);
+    if (shares && shares->second >= 0 && shares->second <= 1) distances.push_back(shares->first);
   }
   return distances;
 }

@@ -116,10 +116,11 @@ class RingTips {
     for (std::size_t k = 0; k < chain.count; ++k) tip.ends.push_back(at(chain.first + k));
     tip.from = tip.ends.front();
     if (tip.isSharp) return tip;
-    // The chain where it crosses the bisector.
-    const Vector2 apart = tip.ends.back() - tip.ends.front();
-    const Vector2 apex = tip.ends.front() + crossOf(apart, after) / crossOf(before, after) * before;
     tip.from = 0.5 * (tip.ends.front() + tip.ends.back());
+    const auto shares = crossingShares(tip.ends.front(), before, tip.ends.back(), after);
+    if (!shares) return tip;
+    // The chain where it crosses the bisector.
+    const Vector2 apex = tip.ends.front() + shares->first * before;
     for (std::size_t k = 0; k + 1 < tip.ends.size(); ++k) {
       const double one = crossOf(tip.along, tip.ends[k] - apex);
       const double other = crossOf(tip.along, tip.ends[k + 1] - apex);

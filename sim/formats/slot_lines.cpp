@@ -164,10 +164,9 @@ Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, dou
   if (lines.size() != 2) return place;
   const Vector2 u = (lines[0].second - lines[0].first).normalized();
   const Vector2 v = (lines[1].second - lines[1].first).normalized();
-  const double sine = crossOf(u, v);
-  if (std::abs(sine) < kLeastBend) return place;
-  const Vector2 apart = lines[1].first - lines[0].first;
-  const Vector2 bend = lines[0].first + crossOf(apart, v) / sine * u;
+  if (std::abs(crossOf(u, v)) < kLeastBend) return place;
+  const double share = crossingShares(lines[0].first, u, lines[1].first, v)->first;
+  const Vector2 bend = lines[0].first + share * u;
   return (bend - place).norm() <= near ? bend : place;
 }
 

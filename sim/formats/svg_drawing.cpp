@@ -177,10 +177,9 @@ std::vector<DrawnPath> partsWithin(const std::vector<DrawnPath>& borders, const 
     const Vector2 from = points[k], along = points[k + 1] - from;
     std::vector<double> shares = {0, 1};
     for (const auto& [a, b] : edges) {
-      const double area = crossOf(along, b - a);
-      if (area == 0) continue;
-      const double share = crossOf(a - from, b - a) / area;
-      const double onEdge = crossOf(a - from, along) / area;
+      const auto crossing = crossingShares(from, along, a, b - a);
+      if (!crossing) continue;
+      const auto [share, onEdge] = *crossing;
       const bool isCrossing = onEdge > -kOnBorder && onEdge < 1 + kOnBorder;
       if (isCrossing && share > 0 && share < 1) shares.push_back(share);
     }
@@ -311,9 +310,9 @@ class SvgReader {
       style.isDashed = *dashes != "none" && *dashes != "inherit" && *dashes != "0";
     }
     if (const auto isThin = isZero(node, "stroke-width")) style.isWide = !*isThin;
-    if (const auto isClear = isZero(node, "stroke-opacity")) style.isOpaque = !*isClear;
-    if (const auto seen = property(node, "visibility")) {
-      style.isVisible = *seen != "hidden" && *seen != "collapse";
+    if (const auto isTransparent = isZero(node, "stroke-opacity")) style.isOpaque = !*isTransparent;
+    if (const auto visibility = property(node, "visibility")) {
+      style.isVisible = *visibility != "hidden" && *visibility != "collapse";
     }
     std::string label;
     bool isLayer = false;
@@ -897,7 +896,7 @@ class SvgReader {
                                    : Vector2(s * s * s * from + 3 * s * s * t * a +
                                              3 * s * t * t * b + t * t * t * to));
     }
-    // A straight curve needs no second reading.
+    // A finer reading of a straight curve gives the same points.
     if (bend > 0) drawing_.flattening = flattening_;
   }
 
