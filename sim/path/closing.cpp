@@ -58,16 +58,11 @@ constexpr double kAboveRounding = 10;
 constexpr double kShut = 1e-6;
 constexpr int kBisections = 40;
 
-scene::Scene withoutSurroundings(scene::Scene scene) {
-  scene.environment = scene::Environment{};
-  return scene;
-}
-
 class ClosingPath {
  public:
   ClosingPath(const scene::Scene& scene, run::SearchBudget& budget,
               const PathObserver& shouldContinue, run::GeometricPath& found)
-      : scene_(withoutSurroundings(scene)),
+      : scene_(scene::withoutEnvironment(scene)),
         tile_(model::tileSize(scene.model)),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         metric_(run::metricBricks(scene)),

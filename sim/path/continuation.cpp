@@ -688,11 +688,7 @@ void endNearest(const std::vector<brick::Brick>& bricks, const Poses& place,
 
 /// Whether a state with exactly closed joints lies near each state, within roundedReach().
 bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) {
-  const scene::Scene bare = [&] {
-    scene::Scene copy = scene;
-    copy.environment = scene::Environment{};
-    return copy;
-  }();
+  const scene::Scene bare = scene::withoutEnvironment(scene);
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const auto dynamics = run::makeDynamics(bare, scene::sceneNeeds(bare), bricks, states.front());
   const double reach = run::roundedReach(scene.model);

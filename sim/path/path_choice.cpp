@@ -157,8 +157,7 @@ bool isJammed(const run::DeployCost& cost) {
 /// prevents any motion, and most steps are halved without success.
 bool exactJointsJam(const scene::Scene& scene, run::SearchBudget& budget,
                     const run::TrialObserver& observer) {
-  scene::Scene trial = scene;
-  trial.environment = scene::Environment{};
+  scene::Scene trial = scene::withoutEnvironment(scene);
   trial.stop.duration = kJamTime;
   trial.path = {scene::PathKind::Straight};
   // The run's constructor already calls the observer, before `running` is set.

@@ -87,18 +87,18 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
 }
 
 /// The name of a candidate in summary.json.
-std::string describe(const char* guide, bool hasContacts, double jointStiffness) {
+std::string candidateName(const char* guide, bool hasContacts, double jointStiffness) {
   return fmt::format("{}, contacts {}, {}", guide, hasContacts ? "on" : "off",
                      std::isinf(jointStiffness) ? "exact joints"
                                                 : fmt::format("joint ratio {:g}", jointStiffness));
 }
 
-std::string describe(const Candidate& candidate) {
+std::string candidateName(const Candidate& candidate) {
   const char* guide = candidate.guide == Guide::OwnMotion    ? "motion of each tile"
                       : candidate.guide == Guide::FromTarget ? "backwards from the target"
                       : candidate.guide == Guide::GuidedRun  ? "guided run"
                                                              : "previous path";
-  return describe(guide, candidate.hasContacts, candidate.jointStiffness);
+  return candidateName(guide, candidate.hasContacts, candidate.jointStiffness);
 }
 
 // A candidate may use this fraction of the budget, and the same again for each fifth of the guide
@@ -509,7 +509,7 @@ class Planner {
     found.contacts = candidate.hasContacts ? contactsIfOn(scene_.environment.contacts)
                                            : scene::ContactFilter::None;
     trial.environment.contacts = found.contacts;
-    found.evaluation.candidate = describe(candidate);
+    found.evaluation.candidate = candidateName(candidate);
     found.evaluation.hasContacts = candidate.hasContacts;
     run::SearchBudget part(budget_.left());
     const bool isBack = candidate.guide == Guide::FromTarget;
@@ -631,7 +631,7 @@ run::GeometricPath extension(const scene::Scene& scene, scene::ContactFilter con
   found.contacts = contacts;
   found.evaluation.hasContacts = contacts != scene::ContactFilter::None;
   found.evaluation.candidate =
-      describe("full extension", found.evaluation.hasContacts, jointStiffness);
+      candidateName("full extension", found.evaluation.hasContacts, jointStiffness);
   found.evaluation.work = part.spent();
   found.evaluation.end = found.path.isCutShort ? run::PathEnd::OutOfBudget : run::PathEnd::Arrived;
   evaluate(scene, found);

@@ -240,8 +240,7 @@ class Assembly {
 AssembledState assembleAtTarget(const scene::Scene& scene,
                                 const std::function<bool()>& shouldContinue) {
   if (!scene.model.target) return {};
-  scene::Scene bare = scene;
-  bare.environment = scene::Environment{};
+  scene::Scene bare = scene::withoutEnvironment(scene);
   bare.solver.kind = scene::SolverKind::Direct;
   return Assembly(bare, shouldContinue).find();
 }

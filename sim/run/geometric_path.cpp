@@ -206,8 +206,7 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
                                    : brick::makeBricks(scene.model.tiles, scene.brick)),
       pivots_(brick::makePivots(scene.model.joints, bricks_)),
       closedGap_(roundedGap(scene.model)) {
-  scene::Scene bare = scene;
-  bare.environment = scene::Environment{};
+  const scene::Scene bare = scene::withoutEnvironment(scene);
   projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
                              brick::startPoses(scene.model.tiles, bricks_));
   if (found.path.isRounded) projection_->setJointStiffness(roundedJointStiffness(scene.model));
@@ -232,12 +231,6 @@ Poses StatesBetween::smoothAt(std::size_t state, double share) const {
   return polynomialAt(length, nodes, std::span(states).subspan(first, count), states[state - 1]);
 }
 
-void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
-  if (trajectory::jointGap(pivots_, tried).max < trajectory::jointGap(pivots_, poses).max) {
-    poses = tried;
-  }
-}
-
 // Joints that are closed in both states are closed again. Those of tiles with a misfit close only
 // if they open by more than roundedGap(): near a singular state, closing them would move bricks
 // far. Open compliant joints need not close: only the symmetry is restored.
@@ -253,7 +246,12 @@ Poses StatesBetween::at(std::size_t state, double share) {
     return model::symmetricMean(poses, found_.path.symmetries);
   }
   if (isOpen(from) || isOpen(to)) return model::symmetricMean(poses, found_.path.symmetries);
-  if (!closeInPlace(poses, *projection_)) keepIfMoreClosed(smoothAt(state, share), poses);
+  if (!closeInPlace(poses, *projection_)) {
+    const Poses smooth = smoothAt(state, share);
+    if (trajectory::jointGap(pivots_, smooth).max < trajectory::jointGap(pivots_, poses).max) {
+      poses = smooth;
+    }
+  }
   symmetries_.restore(poses, *projection_);
   return poses;
 }

@@ -26,8 +26,7 @@ struct GeometricPath {
 /// Whether a path has the minimum length of an extension.
 bool isExtension(const scene::Scene& scene, const MechanismPath& path);
 
-/// Interpolates two neighbouring states of a path. Joints that are closed in both stay
-/// closed.
+/// Interpolates two neighbouring states of a path. Joints that are closed in both stay closed.
 class StatesBetween {
  public:
   /// Keeps a reference to the path.
@@ -42,7 +41,6 @@ class StatesBetween {
  private:
   bool isOpen(const Poses& state) const;
   Poses smoothAt(std::size_t state, double share) const;
-  void keepIfMoreClosed(const Poses& tried, Poses& poses) const;
 
   const GeometricPath& found_;
   double tile_;  // metres

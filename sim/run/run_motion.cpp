@@ -163,8 +163,7 @@ Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
   Poses poses = posesAt(time);
   if (bricks_.scene.solver.kind != scene::SolverKind::Direct) return poses;
   if (!projection_) {
-    scene::Scene bare = bricks_.scene;
-    bare.environment = scene::Environment{};
+    const scene::Scene bare = scene::withoutEnvironment(bricks_.scene);
     projection_ =
         makeDynamics(bare, scene::Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
   }

@@ -67,8 +67,7 @@ bool dragsOutOfPlane(const Scene& scene, const model::SheetFrame& frame, double 
 
 bool leavesPlane(const model::SheetFrame& frame, const InitialVelocity& velocity) {
   const Vector3 along = velocity.angular - frame.normal.dot(velocity.angular) * frame.normal;
-  return !isInPlane(frame, velocity.linear) ||
-         along.norm() > kRounding * velocity.angular.norm();
+  return !isInPlane(frame, velocity.linear) || along.norm() > kRounding * velocity.angular.norm();
 }
 
 /// Why gravity and the ground cause spatial motion of a flat sheet; empty if they do not. Gravity
@@ -215,6 +214,11 @@ std::optional<model::SheetFrame> ownAxes(const Scene& scene) {
   if (!scene.environment.ground) return frame;
   throw InputError(
       "error: `planar = on` with a ground needs a horizontal sheet. Remove one of them");
+}
+
+Scene withoutEnvironment(Scene scene) {
+  scene.environment = Environment{};
+  return scene;
 }
 
 Scene inAxes(const model::SheetFrame& frame, Scene scene) {

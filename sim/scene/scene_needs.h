@@ -20,6 +20,9 @@ bool isQuasiStatic(const Scene& scene, std::string& reason);
 /// in the vertices.
 Needs sceneNeeds(const Scene& scene);
 
+/// The scene without gravity, ground, contacts, obstacles and friction.
+Scene withoutEnvironment(Scene scene);
+
 /// The axes in which a planar scene is solved, because they have the sheet in a horizontal plane.
 /// nullopt if the world's axes do, or if the scene is not planar. Throws InputError for a ground.
 std::optional<model::SheetFrame> ownAxes(const Scene& scene);
