@@ -12,6 +12,7 @@
 #include "render/picture/png.h"
 #include "render/record/summary.h"
 #include "render/report/inspection.h"
+#include "sim/base/words.h"
 #include "sim/formats/cut_pattern.h"
 #include "sim/formats/drawing.h"
 #include "sim/formats/read_model.h"
@@ -91,8 +92,8 @@ model::Model makeModel(const GenerateOrder& order) {
 int carryOut(const GenerateOrder& order) {
   const model::Model model = makeModel(order);
   formats::writeModelFolder(model, order.folder);
-  fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
-             model.joints.size());
+  fmt::print("{}: {}, {}\n", order.folder.string(), counted(model.tiles.size(), "tile"),
+             counted(model.joints.size(), "joint"));
   return kExitDone;
 }
 
@@ -157,8 +158,8 @@ int carryOut(const ConvertOrder& order) {
   std::vector<std::string> warnings;
   const model::Model stored = formats::readModel(order.output, std::nullopt, warnings);
   warnOfLosses(model, stored, order.output);
-  fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), stored.tiles.size(),
-             stored.joints.size(), stored.target ? ", a target" : "");
+  fmt::print("{}: {}, {}{}\n", order.output.string(), counted(stored.tiles.size(), "tile"),
+             counted(stored.joints.size(), "joint"), stored.target ? ", a target" : "");
   return kExitDone;
 }
 

@@ -17,6 +17,7 @@
 
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
+#include "sim/base/words.h"
 #include "sim/path/path_choice.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
@@ -191,8 +192,8 @@ std::string describeBlocking(const std::vector<run::BlockingPair>& blocking,
     if (pairs.size() == kPairsNamed) break;
     pairs.push_back(run::describe(pair, model.fileOrder.countsFrom, model.unit));
   }
-  return fmt::format("{} pair{} of bricks would overlap at the target: {}{}\n", blocking.size(),
-                     blocking.size() > 1 ? "s" : "", fmt::join(pairs, "; "),
+  return fmt::format("{} of bricks would overlap at the target: {}{}\n",
+                     counted(blocking.size(), "pair"), fmt::join(pairs, "; "),
                      blocking.size() > pairs.size() ? "; ..." : "");
 }
 
@@ -325,8 +326,8 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
   if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
   const run::BlockingPair& worst = summary.blocking.front();
   const int first = scene.model.fileOrder.countsFrom;
-  return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({})\n",
-                            summary.blocking.size(), summary.blocking.size() > 1 ? "s" : "",
+  return text + fmt::format("overlaps at the target: {}, worst tiles {} and {} ({})\n",
+                            counted(summary.blocking.size(), "pair"),
                             first + worst.tileA, first + worst.tileB,
                             lengthText(worst.overlap, scene.model.unit, 2));
 }
@@ -336,8 +337,8 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
 std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
                                const record::RunSummary& summary) {
   std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
-  text += fmt::format("{} tiles, {} joints, {}; {}", scene.model.tiles.size(),
-                      scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
+  text += fmt::format("{}, {}, {}; {}", counted(scene.model.tiles.size(), "tile"),
+                      counted(scene.model.joints.size(), "joint"), summary.needs.planar.on ? "planar" : "in space",
                       describeMotion(scene, summary));
   if (!settings.peerSpelling.empty())
     text += fmt::format("; PyKirigami's constants, by {}", settings.peerSpelling);
@@ -355,7 +356,7 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
   text += fmt::format("{} files in {} ({:.1f} s)", summary.files.size(), settings.folder.string(),
                       summary.recordCost.wallSeconds);
   if (const std::size_t count = summary.warnings.size(); count > 0) {
-    text += fmt::format("; {} warning{}: --verbose", count, count > 1 ? "s" : "");
+    text += fmt::format("; {}: --verbose", counted(count, "warning"));
   }
   return spellOptions(text + "\n");
 }

@@ -32,6 +32,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/base/words.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
 #include "sim/trajectory/run_curves.h"
@@ -563,11 +564,6 @@ namespace {
 Json findingsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = parseJsonOrDiscard(run.end().findings);
   return findings.is_object() ? findings : Json::object();
-}
-
-/// "1 tile", "12 tiles".
-std::string counted(std::size_t count, const char* one) {
-  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
 /// The sides of the box along x, y and z.

@@ -22,6 +22,7 @@
 #include "render/picture/canvas.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
+#include "sim/base/words.h"
 #include "sim/trajectory/panels.h"
 #include "sim/trajectory/run_curves.h"
 
@@ -798,7 +799,7 @@ void BrickPalette::colourShapes() {
   }
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
     addToLegend(kindColour(static_cast<int>(kind)), opacities[kind],
-                fmt::format("{} {}{}", counts[kind], names[kind], counts[kind] == 1 ? "" : "s"));
+                counted(counts[kind], names[kind]));
   }
 }
 

@@ -21,6 +21,7 @@
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
 #include "render/record/summary.h"
+#include "sim/base/words.h"
 #include "sim/formats/repairs.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
@@ -74,10 +75,10 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
   }
   const bool hasMisfit = !mobility.areBounds && mobility.largestDropped > model::kClosedShare;
   return fmt::format(
-      "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
+      "  {}: {} of freedom beyond rigid motion; {} of {} joint equations are redundant "
       "({}: least kept {}{:.2g}, largest dropped {}{:.2g}{})\n",
-      where, mobility.freedoms, mobility.freedoms == 1 ? "" : "s", mobility.redundant,
-      mobility.equations, mobility.areBounds ? "bounds of singular values" : "singular values",
+      where, counted(mobility.freedoms, "degree"), mobility.redundant, mobility.equations,
+      mobility.areBounds ? "bounds of singular values" : "singular values",
       mobility.areBounds ? ">= " : "", mobility.leastKept, mobility.areBounds ? "<= " : "",
       mobility.largestDropped, hasMisfit ? ": the misfit of its tiles, in tiles" : "");
 }

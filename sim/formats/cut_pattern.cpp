@@ -50,7 +50,7 @@ void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) 
 
 /// " (2 x mask, which is not applied)" for what a fault may come from.
 std::string notApplied(const Drawing& drawing) {
-  std::vector<std::string> entries = counted(drawing.ignored);
+  std::vector<std::string> entries = entriesOf(drawing.ignored);
   std::erase_if(entries,
                 [](const std::string& what) { return what.find(", which is not ") == what.npos; });
   return entries.empty() ? "" : fmt::format(" ({})", listed(entries));
@@ -949,7 +949,7 @@ class CutPatternReader {
       text += fmt::format("; {} cuts drawn as two lines up to {:.4g} mm apart", middles_.size(),
                           joinedApart_ * 1e3);
     }
-    if (!leftOut.empty()) text += "; left out: " + listed(counted(leftOut), 30);
+    if (!leftOut.empty()) text += "; left out: " + listed(entriesOf(leftOut), 30);
     return text;
   }
 
@@ -996,7 +996,7 @@ model::Model readDrawnModel(const Drawing& drawing, const fs::path& file,
   // Smaller drawings are points. Their tolerance is below the precision of doubles.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
-    const std::vector<std::string> others = counted(drawing.ignored);
+    const std::vector<std::string> others = entriesOf(drawing.ignored);
     throw inputErrorAt(
         {file}, fmt::format("the drawing has no lines of a sheet{}. Draw its outline and its cuts",
                             others.empty() ? "" : ", but " + listed(others)));

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/words.h"
 #include "sim/formats/cut_rays.h"
 #include "sim/formats/middle_lines.h"
 
@@ -89,9 +90,8 @@ class SheetMaker {
  private:
   /// Summary of the result, one line.
   std::string found(const model::Model& model) const {
-    std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
-                                   model.tiles.size() == 1 ? "" : "s", model.joints.size(),
-                                   model.joints.size() == 1 ? "" : "s");
+    std::string text =
+        counted(model.tiles.size(), "tile") + " and " + counted(model.joints.size(), "hinge");
     if (joints_.empty()) text += " (to find more, set `neck_width`, or `cut` and `ignore`)";
     if (!joints_.empty()) {
       const auto [narrowest, widest] = std::ranges::minmax_element(joints_, {}, &FaceJoint::width);

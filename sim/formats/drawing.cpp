@@ -59,7 +59,7 @@ std::string listed(const std::vector<std::string>& entries, std::size_t most) {
   return list;
 }
 
-std::vector<std::string> counted(const std::map<std::string, int>& counts) {
+std::vector<std::string> entriesOf(const std::map<std::string, int>& counts) {
   std::vector<std::string> entries;
   for (const auto& [what, count] : counts) entries.push_back(fmt::format("{} x {}", count, what));
   return entries;

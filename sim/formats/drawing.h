@@ -118,7 +118,7 @@ struct DecimalCounts {
 std::string listed(const std::vector<std::string>& entries, std::size_t most = 8);
 
 /// "2 x text" for each of these counts.
-std::vector<std::string> counted(const std::map<std::string, int>& counts);
+std::vector<std::string> entriesOf(const std::map<std::string, int>& counts);
 
 /// A number with '.' or ',' before its decimals, possibly with a leading '+'. Throws InputError
 /// with the place.

@@ -47,6 +47,7 @@
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/base/words.h"
 #include "sim/formats/faces.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
@@ -325,8 +326,7 @@ class FoldReader {
           "{}: warning: of frames 0-{}, frame {} is the start{}{}; `frame = N` reads frame N only",
           file_.string(), count - 1, frame_, targets,
           others > 0
-              ? fmt::format(", and {} not read",
-                            others == 1 ? "1 other is" : fmt::format("{} others are", others))
+              ? fmt::format(", and {} not read", counted(others, "other is", "others are"))
               : ""));
     }
     // FOLD's "unit" is no unit of length.
@@ -349,7 +349,7 @@ class FoldReader {
     if (!foreign.empty()) {
       const auto shownEnd = foreign.begin() + std::min<std::ptrdiff_t>(3, std::ssize(foreign));
       ignored.push_back(fmt::format(
-          "{} key{} of other programs ({}{})", foreign.size(), foreign.size() == 1 ? "" : "s",
+          "{} of other programs ({}{})", counted(foreign.size(), "key"),
           fmt::join(foreign.begin(), shownEnd, ", "), foreign.size() > 3 ? ", ..." : ""));
     }
     if (ignored.empty()) return;
@@ -722,24 +722,27 @@ void warnOfEdges(const model::FoldSheet& drawing, const fs::path& file,
     const auto found = facesAt.find(std::minmax(crease.from, crease.to));
     return found == facesAt.end() ? 0 : found->second;
   };
-  const auto warn = [&](const auto& isOne, const std::string& fault, const std::string& remedy) {
+  const auto warn = [&](const auto& isOne, const char* one, const char* many, const char* remedy) {
     const auto count = std::ranges::count_if(drawing.creases, isOne);
     if (count == 0) return;
     const auto first = std::ranges::find_if(drawing.creases, isOne) - drawing.creases.begin();
-    warnings.push_back(fmt::format("{}: warning: {} edges {}, edge {} is the first; {}",
-                                   file.string(), count, fault, first, remedy));
+    warnings.push_back(fmt::format("{}: warning: {}, edge {} is the first; {}", file.string(),
+                                   counted(count, one, many), first, remedy));
   };
   warn([&](const model::Crease& crease) { return facesOf(crease) == 0; },
-       "are sides of no face and are not read", "split the faces there, or delete the edges");
+       "edge is a side of no face and is not read", "edges are sides of no face and are not read",
+       "split the faces there, or delete the edges");
   warn([&](const model::Crease& crease) { return hasFoldLetter(crease) && facesOf(crease) == 1; },
-       "are folds (M or V) with a face on one side only and do not fold",
+       "fold (M or V) has a face on one side only and does not fold",
+       "folds (M or V) have a face on one side only and do not fold",
        "draw the border of the sheet (B) around them");
   warn(
       [&](const model::Crease& crease) {
         const double angle = crease.foldAngle.value_or(0);
         return hasFoldLetter(crease) && (crease.assignment == 'M' ? angle > 0 : angle < 0);
       },
-      "have a letter (M or V) against the sign of their angle, which decides",
+      "edge has a letter (M or V) against the sign of its angle, which decides",
+      "edges have a letter (M or V) against the sign of their angle, which decides",
       "a mountain has an angle < 0, a valley > 0");
 }
 
@@ -813,9 +816,9 @@ void foldByLetters(const ReadSettings& settings, model::FoldSheet& drawing,
   }
   if (count > 0) {
     warnings.push_back(
-        fmt::format("{}: warning: {} edges have a letter (M or V) but no angle. They fold by {:g} "
-                    "degrees. `fold = FRACTION` sets another fraction of 180",
-                    file.string(), count, angle));
+        fmt::format("{}: warning: {} a letter (M or V) but no angle and folds by {:g} degrees. "
+                    "`fold = FRACTION` sets another fraction of 180",
+                    file.string(), counted(count, "edge has", "edges have"), angle));
   } else if (settings.fold) {
     throw inputErrorAt({file},
                        "`fold` is given, but no edge has a letter (M or V) without an "
@@ -824,9 +827,9 @@ void foldByLetters(const ReadSettings& settings, model::FoldSheet& drawing,
                return crease.foldAngle.value_or(0) == 0;
              })) {
     warnings.push_back(
-        fmt::format("{}: warning: {} edges have a letter (M or V) and the angle 0, so nothing "
-                    "folds; remove edges_foldAngle to fold them by their letters",
-                    file.string(), flat));
+        fmt::format("{}: warning: {} a letter (M or V) and the angle 0, so nothing folds; remove "
+                    "edges_foldAngle to fold by the letters",
+                    file.string(), counted(flat, "edge has", "edges have")));
   }
   if (settings.fold) {
     drawing.creases = creases;
@@ -1188,8 +1191,8 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
   model::FoldSheet& drawing = *model.drawing;
   if (!angles.empty() && !normal) {
     warnings.push_back(fmt::format(
-        "{}: warning: {} frames have only fold angles, which need a flat start; they are not read",
-        start.file.string(), angles.size()));
+        "{}: warning: {} not read, because fold angles need a flat start", start.file.string(),
+        counted(angles.size(), "frame is", "frames are")));
   }
   std::vector<int> open;  // frames
   double widest = 0;

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/words.h"
 #include "sim/formats/repairs.h"
 #include "sim/formats/text_table.h"
 #include "sim/formats/written_digits.h"
@@ -182,20 +183,11 @@ void checkClosed(const JointTable& table, model::Model& model, const TileTable& 
   }
   rounded.note(model, warnings);
   if (open == 0) return;
-  warnings.push_back(
-      fmt::format("{}: warning: {} joints are open at the start, this one most, by {:.2g}. The "
-                  "run closes them",
-                  kirireel::toString({table.file, worstLine}), open, worst));
+  warnings.push_back(fmt::format(
+      "{}: warning: {} open at the start, at most by {:.2g} here. The run "
+      "closes joints",
+      kirireel::toString({table.file, worstLine}), counted(open, "joint is", "joints are"), worst));
 }
-
-namespace {
-
-/// "1 joint is", "3 joints are".
-std::string countOf(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? " is" : "s are");
-}
-
-}  // namespace
 
 void noteNoJoints(const std::filesystem::path& file, model::Model& model,
                   std::vector<std::string>& warnings) {
@@ -246,7 +238,8 @@ void dropRepeatedJoints(JointTable& table, model::Model& model,
   table.rows = std::move(kept);
   const std::string earlier =
       firstRepeated > 0 ? fmt::format(", first in line {}", firstRepeated) : "";
-  repair.found = fmt::format("{} listed again{}", countOf(repair.corners.size(), "joint"), earlier);
+  repair.found = fmt::format("{} listed again{}",
+                             counted(repair.corners.size(), "joint is", "joints are"), earlier);
   repair.done = "repeated joints are removed, regardless of the order of their ends";
   repair.advice = "delete the repeated lines";
   noteRepair(std::move(repair), model, warnings);
@@ -271,8 +264,7 @@ void repairBase(JointTable& table, const TileTable& tiles, model::Model& model,
   model.fileOrder.countsFrom = other;
   model::Repair repair;
   repair.place = table.file.string();
-  repair.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",
-                             table.rows.size(), other, defaultBase);
+  repair.found = fmt::format("tiles and vertices count from {}, not from {}", other, defaultBase);
   repair.done = fmt::format("they are read as counted from {}", other);
   repair.advice = fmt::format("{} all tile and vertex numbers",
                               defaultBase > other ? "add 1 to" : "subtract 1 from");

@@ -28,6 +28,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
+#include "sim/base/words.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
 #include "sim/formats/read_settings.h"
@@ -409,11 +410,9 @@ void makeRods(const JointTable& rows, model::Model& model, std::vector<std::stri
   const bool oneLength = longest - shortest <= samePlace;
   const std::string length = oneLength ? fmt::format("{:.4g}", longest)
                                        : fmt::format("{:.4g} to {:.4g}", shortest, longest);
-  warnings.push_back(
-      fmt::format("{}: note: {} joint{} corners clearly apart: {} {} long, which "
-                  "{} this distance",
-                  kirireel::toString({rows.file, firstLine}), rods, rods == 1 ? " holds" : "s hold",
-                  rods == 1 ? "a rod" : "rods", length, rods == 1 ? "keeps" : "keep"));
+  warnings.push_back(fmt::format("{}: note: {} of constant length, {} (corners clearly apart)",
+                                 kirireel::toString({rows.file, firstLine}),
+                                 counted(rods, "joint is a rod", "joints are rods"), length));
 }
 
 std::string planarTileText(const std::vector<model::Tile>& tiles) {

@@ -16,6 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
+#include "sim/base/words.h"
 #include "sim/formats/drawing.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
@@ -103,9 +104,9 @@ void requireSameTiles(const model::Model& model, const model::Model& other, cons
     return;
   }
   throw inputErrorAt({path},
-                     fmt::format("the target has {} tiles, the model {}, with different numbers of "
+                     fmt::format("the target has {}, the model {}, with different numbers of "
                                  "vertices. Give the same tiles in the same order",
-                                 other.tiles.size(), model.tiles.size()));
+                                 counted(other.tiles.size(), "tile"), model.tiles.size()));
 }
 
 /// The start of another model in any format, with the model's order of vertices.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/words.h"
 #include "sim/formats/written_digits.h"
 
 namespace kirireel::formats {
@@ -46,8 +47,8 @@ void RoundedCorners::note(model::Model& model, std::vector<std::string>& warning
   if (repair_.corners.empty()) return;
   const std::size_t count = repair_.corners.size();
   repair_.found =
-      fmt::format("the corners of {} joint{} are {}{:.2g} apart, by rounding to {:g}", count,
-                  count == 1 ? "" : "s", count == 1 ? "" : "up to ", largest_, lastPlace_);
+      fmt::format("the corners of {} are {}{:.2g} apart, by rounding to {:g}",
+                  counted(count, "joint"), count == 1 ? "" : "up to ", largest_, lastPlace_);
   repair_.done = count == 1 ? "joined at one corner" : "joined at one corner each";
   repair_.advice = "write the same numbers for both corners";
   noteRepair(std::move(repair_), model, warnings);

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/words.h"
 #include "sim/formats/repairs.h"
 #include "sim/formats/text_table.h"
 #include "sim/formats/written_digits.h"
@@ -192,9 +193,10 @@ void checkSameCounts(const TileTable& target, const TileTable& start) {
   if (target.tiles.size() == start.tiles.size()) return;
   throw inputErrorAt(
       {target.file},
-      fmt::format("the target has {} tiles, {} has {}; write one target tile for "
-                  "each tile, in the same order",
-                  target.tiles.size(), start.file.filename().string(), start.tiles.size()));
+      fmt::format("the target has {}, {} has {}; write one target tile for each tile, in the same "
+                  "order",
+                  counted(target.tiles.size(), "tile"), start.file.filename().string(),
+                  start.tiles.size()));
 }
 
 /// The largest change of a tile's edges and diagonals from start to target.
@@ -280,9 +282,10 @@ void checkTargets(const std::vector<TileTable>& targets, const model::Model& sta
   }
   if (changed == 0) return;
   warnings.push_back(fmt::format(
-      "{}: warning: {} target tiles{} have slightly different shapes. Here a length differs most, "
-      "by {:.2g}. Rigid tiles can only come near {}",
-      toString(worstPlace), changed,
+      "{}: warning: {}{}. Here a length differs most, by {:.2g}. Rigid tiles can only come near {}",
+      toString(worstPlace),
+      counted(changed, "target tile has a slightly different shape",
+              "target tiles have slightly different shapes"),
       targets.size() > 1 ? fmt::format(" in {} of {} targets", changedTargets, targets.size()) : "",
       worst.size(), targets.size() > 1 ? "these targets" : "this target"));
 }
@@ -291,7 +294,7 @@ void notePadding(const TileTable& table, model::Model& model, std::vector<std::s
   if (table.padded.empty()) return;
   model::Repair repair;
   repair.place = toString(table.at(table.padded.front()));
-  repair.found = fmt::format("{} of {} tiles list a vertex again, or NaN in place of one",
+  repair.found = fmt::format("in {} of {} tiles a vertex is listed again, or NaN in place of one",
                              table.padded.size(), table.tiles.size());
   repair.done = "removed as padding";
   repair.advice = "list each vertex of a tile once";

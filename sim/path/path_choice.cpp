@@ -36,6 +36,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/base/words.h"
 #include "sim/brick/contact.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/run/assembled_state.h"
@@ -362,7 +363,7 @@ class PathSearch {
     if (!isCutShort()) return "";
     std::vector<std::string> parts;
     if (cutShort_ > 0) {
-      parts.push_back(fmt::format("{} trial{} stopped", cutShort_, cutShort_ == 1 ? "" : "s"));
+      parts.push_back(counted(cutShort_, "trial") + " stopped");
     }
     if (isIncomplete_) parts.push_back("others not started");
     return fmt::format(" ({}: search budget spent; raise `search_effort`)", fmt::join(parts, ", "));

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/words.h"
 #include "sim/brick/stiffness.h"
 #include "sim/formats/read_model.h"
 #include "sim/formats/text_table.h"
@@ -414,10 +415,10 @@ OwnHingeSpring readSpring(const formats::TextTable& table, const formats::TextLi
                           const model::Model& model) {
   const FileLocation where = table.at(line, line.fields.front());
   if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
-    throw inputErrorAt(where,
-                       fmt::format("there are {} columns. A hinge has tile, tile, stiffness, rest "
-                                   "angle, damping. The last ones are optional",
-                                   line.fields.size()));
+    throw inputErrorAt(
+        where, fmt::format("this line has {}. A hinge has tile, tile, stiffness, rest angle, "
+                           "damping. The last ones are optional",
+                           counted(line.fields.size(), "column")));
   }
   OwnHingeSpring spring;
   spring.tileA = readTile(table, line, 0, model);

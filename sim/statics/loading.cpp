@@ -18,6 +18,7 @@
 
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
+#include "sim/base/words.h"
 #include "sim/brick/stiffness.h"
 #include "sim/mechanics/load_path.h"
 #include "sim/model/convex_parts.h"
@@ -435,7 +436,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
   if (loaded.arrives) {
     result.reason = modes == 0
                         ? "reached, stable"
-                        : fmt::format("reached, {} unstable mode{}", modes, modes == 1 ? "" : "s");
+                        : "reached, " + counted(modes, "unstable mode");
     result.reason += fmt::format(", through {} equilibria", loaded.states.size());
   } else if (loaded.extent && !leading.name.isTurn) {
     const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
@@ -447,8 +448,8 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
   if (!loaded.arrives) result.shortfall = result.reason;
   if (loaded.arrives && modes > 0) {
     result.warnings.push_back(fmt::format(
-        "the last equilibrium is unstable: the sheet would leave it in {} independent direction{}",
-        modes, modes == 1 ? "" : "s"));
+        "the last equilibrium is unstable: the sheet would leave it in {}",
+        counted(modes, "independent direction")));
   }
   // Poses of bending tiles are only fits: their overlaps do not count.
   const double tile = model::tileSize(scene.model);

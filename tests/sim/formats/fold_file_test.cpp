@@ -269,7 +269,7 @@ TEST(FoldFile, LettersGiveTheSign) {
   // Folded by 180 degrees, the square lies on the other one; by 90 degrees it is upright.
   const ReadSheet flat = readText(twoSquares().dump());
   EXPECT_EQ(flat.said,
-            "@/a.fold: warning: 1 edges have a letter (M or V) but no angle. They fold by 180 "
+            "@/a.fold: warning: 1 edge has a letter (M or V) but no angle and folds by 180 "
             "degrees. `fold = FRACTION` sets another fraction of 180");
   ASSERT_TRUE(flat.model.target);
   EXPECT_LT((cornerOf(*flat.model.target, 1, 1) - Vector3(0, 0, 0)).norm(), 1e-15);
@@ -284,8 +284,8 @@ TEST(FoldFile, LettersGiveTheSign) {
   // Given angles count. Letters of a folded form do not define its folds.
   const json zero = {{"edges_foldAngle", {0, 0, 0, 0, 0, 0, 0}}};
   EXPECT_EQ(readText(edited(twoSquares(), zero).dump()).said,
-            "@/a.fold: warning: 1 edges have a letter (M or V) and the angle 0, so nothing folds; "
-            "remove edges_foldAngle to fold them by their letters");
+            "@/a.fold: warning: 1 edge has a letter (M or V) and the angle 0, so nothing folds; "
+            "remove edges_foldAngle to fold by the letters");
   EXPECT_EQ(readText(edited(twoSquares(), zero).dump(), half).said,
             "@/a.fold: error: `fold` is given, but no edge has a letter (M or V) without an angle; "
             "remove `fold`, or the angles from the file");
@@ -459,8 +459,7 @@ TEST(FoldFile, FramesWithAnglesNeedAFlatStartAndAnglesThatFit) {
   file["vertices_coords"] = json::parse("[[0,0],[1,0],[1,0,1],[1,1,1],[1,1],[0,1]]");
   file["file_frames"] = {foldedBy({0, 60, 0, 0, 0, 0, 0})};
   EXPECT_EQ(readText(file.dump()).said,
-            "@/a.fold: warning: 1 frames have only fold angles, which need a "
-            "flat start; they are not read");
+            "@/a.fold: warning: 1 frame is not read, because fold angles need a flat start");
   file["file_frames"] = {foldedBy({0, 60})};
   EXPECT_EQ(readText(file.dump()).said,
             "@/a.fold: error: edges_foldAngle is [0,60], but 7 edges need as many angles. Correct "
@@ -494,7 +493,7 @@ TEST(FoldFile, ChainsHaveOneWarningOfEachKind) {
     stretched.push_back({{"frame_inherit", true}, {"vertices_coords", places}});
   }
   EXPECT_EQ(saidWith(stretched),
-            "@/a.fold: warning: 4 target tiles in 2 of 3 targets have slightly different shapes. "
+            "@/a.fold: warning: 4 target tiles have slightly different shapes in 2 of 3 targets. "
             "Here a length differs most, by 0.002. Rigid tiles can only come near these targets");
 }
 
@@ -748,14 +747,14 @@ TEST(FoldFile, CountsFoldsAtTheBorderAndLettersAgainstAngles) {
   file["edges_assignment"][4] = "M";
   file["edges_foldAngle"] = {0, -90, 0, 0, 0, 0, 0};
   const std::string said = readText(file.dump()).said;
-  EXPECT_THAT(
-      said, testing::HasSubstr("@/a.fold: warning: 1 edges are folds (M or V) with a face on one "
-                               "side only and do not fold, edge 4 is the first; draw the border of "
-                               "the sheet (B) around them"));
-  EXPECT_THAT(
-      said, testing::HasSubstr("@/a.fold: warning: 1 edges have a letter (M or V) against the sign "
-                               "of their angle, which decides, edge 1 is the first; a mountain has "
-                               "an angle < 0, a valley > 0"));
+  EXPECT_THAT(said,
+              testing::HasSubstr("@/a.fold: warning: 1 fold (M or V) has a face on one side "
+                                 "only and does not fold, edge 4 is the first; draw the border of "
+                                 "the sheet (B) around them"));
+  EXPECT_THAT(said,
+              testing::HasSubstr("@/a.fold: warning: 1 edge has a letter (M or V) against the sign "
+                                 "of its angle, which decides, edge 1 is the first; a mountain has "
+                                 "an angle < 0, a valley > 0"));
   file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
   EXPECT_EQ(readText(file.dump()).said, "");
 }
@@ -893,9 +892,10 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
       "v 0.0D+00 0 0\nv +1.0D+00 0 0\nv 1.0d0 10.0D-01 0\nv NaN NaN NaN\nf 1 2 3 4\n", {}, "a.obj");
   ASSERT_EQ(fortran.model.tiles.size(), 1U) << fortran.said;
   EXPECT_EQ(fortran.model.tiles[0].vertices[2], Vector3(1, 1, 0));
-  EXPECT_EQ(fortran.said,
-            "@/a.obj:5: repaired: 1 of 1 tiles list a vertex again, or NaN in place of one; "
-            "removed as padding");
+  EXPECT_EQ(
+      fortran.said,
+      "@/a.obj:5: repaired: in 1 of 1 tiles a vertex is listed again, or NaN in place of one; "
+      "removed as padding");
 }
 
 // Tiles in objects, as a program writes that numbers the vertices of each object again. Corners of

@@ -304,9 +304,10 @@ TEST(FolderErrors, JointVertexOutOfRange) {
 }
 
 TEST(FolderErrors, JointsThatCountFromOne) {
-  EXPECT_EQ(forJoints("1 2 2 1\n"),
-            "@/constraints.txt: repaired: tiles and vertices of all 1 joints count from 1, not "
-            "from 0; they are read as counted from 1");
+  EXPECT_EQ(
+      forJoints("1 2 2 1\n"),
+      "@/constraints.txt: repaired: tiles and vertices count from 1, not from 0; they are read "
+      "as counted from 1");
   // From neither base are all of them there.
   EXPECT_EQ(forJoints("1 2 2 1\n0 1 1 0\n"),
             "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2. Correct this column");
@@ -339,14 +340,15 @@ TEST(FolderErrors, JointsApart) {
             "@/constraints.txt:1: error: vertex 0 of tile 0 and vertex 0 of tile 1 are 1 apart "
             "at the start, at most 0.05 is allowed; correct this joint or the vertices at "
             "vertices.txt:1 and vertices.txt:2");
-  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 1 0\n1.002 0 0 2 0 0 2 1 0 1 1 0\n"),
-            "@/constraints.txt:1: warning: 1 joints are open at the start, this one most, by 0.002. "
-            "The run closes them");
+  EXPECT_EQ(
+      forVertices("0 0 0 1 0 0 1 1 0 0 1 0\n1.002 0 0 2 0 0 2 1 0 1 1 0\n"),
+      "@/constraints.txt:1: warning: 1 joint is open at the start, at most by 0.002 here. The run "
+      "closes joints");
 }
 
 TEST(FolderErrors, TargetOfOtherTiles) {
   EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n"),
-            "@/target.txt: error: the target has 1 tiles, vertices.txt has 2; write one target "
+            "@/target.txt: error: the target has 1 tile, vertices.txt has 2; write one target "
             "tile for each tile, in the same order");
   EXPECT_EQ(forTarget(kSquares + "0 0 0 1 0 0 1 1 0\n"),
             "@/target.txt: error: the target has 3 tiles, vertices.txt has 2; write one target "
@@ -362,7 +364,7 @@ TEST(FolderErrors, TargetOfOtherShape) {
             "vertices.txt:2 1. The target must have the same rigid tiles. Correct it, or use this "
             "model's target");
   EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2.001 0 0 2 1 0 1 1 0\n"),
-            "@/target.txt:2: warning: 1 target tiles have slightly different shapes. Here a length "
+            "@/target.txt:2: warning: 1 target tile has a slightly different shape. Here a length "
             "differs most, by 0.001. Rigid tiles can only come near this target");
 }
 

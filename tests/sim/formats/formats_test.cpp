@@ -365,7 +365,7 @@ TEST(FormatErrors, PairsWhoseFacesDiffer) {
   EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 1 2 3\nf 2 4 3\n"},
                         {"a_deployed.obj", four + "f 1 2 3\n"}},
                        "a_contracted.obj"),
-            "@/a_deployed.obj: error: the target has 1 tiles, a_contracted.obj has 2; write one "
+            "@/a_deployed.obj: error: the target has 1 tile, a_contracted.obj has 2; write one "
             "target tile for each tile, in the same order");
   EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 1 2 3\nf 2 4 3\n"},
                         {"a_deployed.obj", four + "v 1 0 0\nf 1 2 3\nf 5 4 3\n"}},
@@ -574,8 +574,8 @@ TEST(FormatErrors, PlanarFiles) {
       "@/./vertices.txt:1: repaired: 2 of 2 tiles run clockwise seen from above; reversed, and "
       "written in the file's own order";
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
-            "@/./constraints.txt: repaired: tiles and vertices of all 1 joints count from 0, not "
-            "from 1; they are read as counted from 0" +
+            "@/./constraints.txt: repaired: tiles and vertices count from 0, not from 1; "
+            "they are read as counted from 0" +
                 turned);
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 -2147483648 2 1\n"}}, "."),
@@ -647,7 +647,7 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(messageFor(
                 {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
                 "a.obj", "b.obj"),
-            "@/b.obj: error: the target has 1 tiles, the model 1, with different numbers of "
+            "@/b.obj: error: the target has 1 tile, the model 1, with different numbers of "
             "vertices. Give the same tiles in the same order");
   try {
     formats::writeModel(generate::makeTessellation({}), "/tmp/sheet.stl");

@@ -124,11 +124,10 @@ TEST(Repair, StrictRefusesWithAdvice) {
                 .error,
             "@/vertices.txt:1: error: 1 of 1 tiles runs clockwise seen from above; list their "
             "vertices anticlockwise, or remove `strict` to have it repaired");
-  EXPECT_EQ(
-      readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "1 2 2 1\n"}}, "", strict)
-          .error,
-      "@/constraints.txt: error: tiles and vertices of all 1 joints count from 1, not from 0; "
-      "subtract 1 from all tile and vertex numbers, or remove `strict` to have it repaired");
+  EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "1 2 2 1\n"}}, "", strict)
+                .error,
+            "@/constraints.txt: error: tiles and vertices count from 1, not from 0; "
+            "subtract 1 from all tile and vertex numbers, or remove `strict` to have it repaired");
   // Files without errors pass.
   EXPECT_EQ(
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n"}}, "", strict)
@@ -167,8 +166,8 @@ TEST(Repair, RodsAreReportedWithTheirLength) {
   EXPECT_EQ(read.model.joints[0].kind, model::JointKind::Pivot);
   EXPECT_EQ(read.model.joints[1].kind, model::JointKind::Link);
   EXPECT_THAT(read.warnings,
-              ElementsAre("@/a_constraints.txt:2: note: 1 joint holds corners clearly apart: a rod "
-                          "0.125 long, which keeps this distance"));
+              ElementsAre("@/a_constraints.txt:2: note: 1 joint is a rod of constant length, 0.125 "
+                          "(corners clearly apart)"));
 }
 
 TEST(Repair, DigitsAreFoundInTheNumbers) {

@@ -350,7 +350,7 @@ TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
   EXPECT_THAT(said("0 1 nan"), HasSubstr("'nan' is not a stiffness"));
   EXPECT_THAT(said("0 4 1"),
               EndsWith(":1:3: error: the model has tiles 0-3, not 4. Correct this number"));
-  EXPECT_THAT(said("0"), HasSubstr("there are 1 columns. A hinge has tile, tile, stiffness"));
+  EXPECT_THAT(said("0"), HasSubstr("this line has 1 column. A hinge has tile, tile, stiffness"));
   EXPECT_THAT(said("0 3 1"), EndsWith(":1:1: error: tiles 0 and 3 have no common corner or edge to "
                                       "rotate about. Remove this line"));
   EXPECT_THAT(said("0 1 1\n1 0 2"),
