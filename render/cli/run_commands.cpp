@@ -1,6 +1,5 @@
-// Paints a recorded run again from the poses in trajectory.h5. It does not simulate, so another
-// camera, size or colour costs only the painting. Several trajectories make one grid with a row for
-// each, and a video with the runs side by side if one is named.
+// The commands of a finished run: render, export, curves, page, verify. They read trajectory.h5 and
+// do not simulate.
 #include "render/cli/run_commands.h"
 
 #include <algorithm>
@@ -23,6 +22,21 @@
 #include "sim/base/file_kinds.h"
 
 namespace kirireel::cli {
+namespace {
+
+/// The chosen folder, or that of the trajectory.
+std::filesystem::path folderOr(const std::filesystem::path& chosen,
+                               const std::filesystem::path& trajectory) {
+  if (!chosen.empty()) return chosen;
+  return trajectory.has_parent_path() ? trajectory.parent_path() : ".";
+}
+
+}  // namespace
+
+// ------------------------------------------------------------------------------------------------
+// render: paints a run again from its poses, so another camera, size or colour costs only the
+// painting. Several trajectories make one grid with a row for each, and a video with the runs side
+// by side if one is named.
 
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
@@ -54,10 +68,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
-  // A folder means the trajectory.h5 in it.
-  for (std::filesystem::path& trajectory : order.trajectories) {
-    if (isFolder(trajectory)) trajectory /= output::kTrajectory;
-  }
+  std::ranges::transform(order.trajectories, order.trajectories.begin(), output::trajectoryOf);
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: a figure of several runs needs its own folder; choose it with --out");
@@ -73,8 +84,7 @@ int carryOut(const RenderOrder& order) {
   noteSignals();
   record::PictureSettings settings = order.settings;
   const std::filesystem::path& trajectory = order.trajectories.front();
-  if (settings.folder.empty()) settings.folder = trajectory.parent_path();
-  if (settings.folder.empty()) settings.folder = ".";
+  settings.folder = folderOr(settings.folder, trajectory);
   record::PictureReport report;
   {
     ProgressLine line;
@@ -91,13 +101,12 @@ int carryOut(const RenderOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options of states, elements and decks, also of `record` and `simulate` (with --export), and the
-// command that exports a finished run. Every value that changes a byte of a file has a writer
-// (serializedAs()) and is in the fingerprint.
+// export: options of states, elements and decks, also for `record --export`. Every value that
+// changes a byte of a file has serializedAs(), so the fingerprint contains it.
 
 namespace {
 
-/// One word more than there are commas. Empty words remain, and their readers reject them.
+/// The words of a list. Empty words remain, and their readers reject them.
 std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
   std::vector<std::string> words;
   std::size_t begin = 0;
@@ -110,8 +119,8 @@ std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
 }
 
 void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
-  // The default is two states. The first typed state replaces the list, later ones are appended.
-  // The flag outlives this function.
+  // The first typed state replaces the default, later ones are appended. CLI11 calls `append` after
+  // this function has returned, so the flag is shared.
   const auto isTyped = std::make_shared<bool>(false);
   const auto append = [&settings, isTyped](const std::string& name) {
     exports::requireStateName(name);
@@ -137,7 +146,7 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
 
 void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
-  // The default of the rule is outside the range.
+  // Defaults of the rule are below `least`. They are not serialized.
   const auto length = [&group](const char* name, const char* defaultText, const char* help,
                                double& target, double least = 1e-12) {
     group
@@ -155,7 +164,6 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
              })
       .serializedAs(
           [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
-  // An empty text for the default: then the count per edge applies.
   length("--element-size", "", "longest element edge, instead of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT",
                 "elements through the thickness");
@@ -181,7 +189,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
                "radius of the fillets at the ends of necks");
   length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
          elements.neck.kerf, 0);
-  // The element rule reports --shells and --plane-stress with joints that exclude both.
+  // Some --joints exclude --shells and --plane-stress: render/fea/element_mesh.cpp checks that.
   group.flag("--shells", "shells (S8R, S4), with an offset if joints are on one face",
              [&elements] { elements.family = fea::ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
@@ -239,11 +247,6 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGrou
   group.flag("--state-map",
              "jobs that move the first state's mesh to the other states, without stress",
              [&decks] { decks.stateMap = true; });
-}
-
-/// A folder means the trajectory.h5 in it.
-std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
-  return isFolder(given) ? given / output::kTrajectory : given;
 }
 
 }  // namespace
@@ -319,11 +322,11 @@ void completeOrder(const CLI::App& command, ExportOrder& order) {
 }
 
 int carryOut(const ExportOrder& order) {
-  const std::filesystem::path file = trajectoryFile(order.trajectory);
+  const std::filesystem::path file = output::trajectoryOf(order.trajectory);
   const trajectory::TrajectoryReader trajectory(file);
   const exports::ExportSettings settings =
       exports::inMetres(order.settings, trajectory.subject().model.unit);
-  const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
+  const std::filesystem::path folder = folderOr(order.folder, file);
   if (order.isChecked) fea::requireCalculix();
   // Warnings come before the files, which may take long.
   for (const std::string& line : exports::exportWarnings(trajectory, settings)) {
@@ -341,9 +344,8 @@ int carryOut(const ExportOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The command reads only trajectory.h5. Curves are measured from the samples or stored with them.
-// Options of figures are in print sizes (mm, points); see
-// render/record/curves.h.
+// curves: curves are measured from the samples or stored with them. Options of figures are in print
+// sizes (mm, points); see render/record/curves.h.
 
 namespace {
 
@@ -432,9 +434,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
-  for (std::filesystem::path& run : order.runs) {
-    if (isFolder(run)) run /= output::kTrajectory;
-  }
+  std::ranges::transform(order.runs, order.runs.begin(), output::trajectoryOf);
   if (order.runs.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: curves of several runs need their own folder; choose it with --out");
   }
@@ -443,9 +443,7 @@ void completeOrder(const CLI::App& command, CurvesOrder& order) {
 
 int carryOut(const CurvesOrder& order) {
   record::CurvesSettings settings = order.settings;
-  // In the trajectory's folder; a bare file name has no parent and means the current folder.
-  if (settings.folder.empty()) settings.folder = order.runs.front().parent_path();
-  if (settings.folder.empty()) settings.folder = ".";
+  settings.folder = folderOr(settings.folder, order.runs.front());
   std::vector<record::NamedRun> runs;
   for (const std::filesystem::path& run : order.runs) {
     runs.push_back(record::openRun(run));
@@ -463,25 +461,14 @@ int carryOut(const CurvesOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options of a page and the command `page`. A page is made of one run or of two side by side;
-// `record --page` makes a page of the new run with the settings of its pictures.
+// page: of one run, or of two side by side. `record --page` makes a page of the new run with the
+// settings of its pictures.
 
 namespace {
 
 /// 0 means all samples of the trajectory.
 int parseSamples(const scene::TypedValue& typed) {
   return typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
-}
-
-/// The trajectory of a run given by its folder or its file. A file is not checked. Throws
-/// InputError for a folder without a trajectory.
-std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
-  if (!isFolder(run)) return run;
-  const std::filesystem::path file = run / output::kTrajectory;
-  if (isPresent(file)) return file;
-  throw InputError(
-      fmt::format("{}: error: this folder has no {}, which a page needs; record its model again",
-                  run.string(), output::kTrajectory));
 }
 
 }  // namespace
@@ -539,22 +526,19 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, PageOrder& order) {
-  // At least one is required. --help and our own message come before CLI11's error.
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
   if (order.runs.size() > page::kMostPageRuns) {
     throw InputError(
         fmt::format("error: {} runs are given, but a page shows at most {}; make several pages",
                     order.runs.size(), page::kMostPageRuns));
   }
+  std::ranges::transform(order.runs, order.runs.begin(), output::trajectoryOf);
 }
 
 int carryOut(const PageOrder& order) {
   page::WebPageSettings settings = order.settings;
-  std::vector<std::filesystem::path> trajectories;
-  for (const std::filesystem::path& run : order.runs) trajectories.push_back(trajectoryOf(run));
-  if (settings.folder.empty()) settings.folder = trajectories.front().parent_path();
-  if (settings.folder.empty()) settings.folder = ".";
-  page::writePage(trajectories, settings);
+  settings.folder = folderOr(settings.folder, order.runs.front());
+  page::writePage(order.runs, settings);
   const std::filesystem::path page = settings.folder / page::kPageFile;
   fmt::print("{}: {:.2f} MB\n", page.string(),
              static_cast<double>(std::filesystem::file_size(page)) / 1e6);
@@ -562,7 +546,7 @@ int carryOut(const PageOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Prints each disagreement as one line on standard output, because it is the result. The exit code
+// verify: each disagreement is one line on standard output, because it is the result. The exit code
 // is then 1.
 
 CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
 
 namespace kirireel::output {
@@ -53,6 +54,10 @@ inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 /// All samples.
 inline constexpr const char* kTrajectory = "trajectory.h5";
+/// The trajectory of a run that is named by its file or its folder.
+inline std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
+  return isFolder(run) ? run / kTrajectory : run;
+}
 /// Load, forces and displacements of a run under grips.
 inline constexpr const char* kLoadCurve = "load_curve.csv";
 /// Settings and results of the run.

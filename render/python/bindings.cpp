@@ -510,7 +510,7 @@ py::object summary(const DeployedRun& run) {
 /// Reads all samples into memory, so the file may be deleted afterwards.
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
-    const trajectory::TrajectoryReader file(isFolder(path) ? path / output::kTrajectory : path);
+    const trajectory::TrajectoryReader file(output::trajectoryOf(path));
     return std::make_shared<MemoryRun>(
         file.subject(), file.end(),
         std::make_shared<trajectory::SampleTable>(trajectory::readSamples(file)));

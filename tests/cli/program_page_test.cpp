@@ -46,9 +46,9 @@ TEST_F(PageCommand, ReportsWhatIsMissing) {
   std::filesystem::remove(run() / "trajectory.h5");
   const ProgramEnd end = runKirireel({"page", run().string()});
   EXPECT_EQ(end.exitCode, kInputWrong);
-  EXPECT_EQ(end.err, "kirireel: " + run().string() +
-                         ": error: this folder has no trajectory.h5, which a page needs; record "
-                         "its model again\n");
+  EXPECT_EQ(end.err, "kirireel: " + (run() / "trajectory.h5").string() +
+                         ": error: there is no such file. Give a trajectory.h5 from kirireel "
+                         "record\n");
   EXPECT_THAT(runKirireel({"page"}).err, HasSubstr("RUN is missing, as in kirireel page RUN"));
 }
 
