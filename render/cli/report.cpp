@@ -297,7 +297,7 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
 
 /// Collisions of a run. Overlaps of tiles are measured; ground and obstacles only act as contacts.
 std::string describeContacts(const scene::Scene& scene, const record::RunSummary& summary) {
-  const double most = run::kClearShare * model::tileSize(scene.model);
+  const double most = run::kAllowedOverlap * model::tileSize(scene.model);
   const run::Accuracy& accuracy = summary.accuracy;
   if (summary.needs.contacts.on) return "contacts on";
   if (accuracy.penetrationGrownMax > most) return "contacts off";
@@ -320,16 +320,15 @@ std::string describeMotion(const scene::Scene& scene, const record::RunSummary& 
 std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double grown = summary.accuracy.penetrationGrownMax;
-  const bool isOverlapping = grown > run::kClearShare * tile;
+  const bool isOverlapping = grown > run::kAllowedOverlap * tile;
   std::string text =
       isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, scene.model)) : "";
   if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
   const run::BlockingPair& worst = summary.blocking.front();
   const int first = scene.model.fileOrder.countsFrom;
   return text + fmt::format("overlaps at the target: {}, worst tiles {} and {} ({})\n",
-                            counted(summary.blocking.size(), "pair"),
-                            first + worst.tileA, first + worst.tileB,
-                            lengthText(worst.overlap, scene.model.unit, 2));
+                            counted(summary.blocking.size(), "pair"), first + worst.tileA,
+                            first + worst.tileB, lengthText(worst.overlap, scene.model.unit, 2));
 }
 
 }  // namespace
@@ -337,9 +336,10 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
 std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
                                const record::RunSummary& summary) {
   std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
-  text += fmt::format("{}, {}, {}; {}", counted(scene.model.tiles.size(), "tile"),
-                      counted(scene.model.joints.size(), "joint"), summary.needs.planar.on ? "planar" : "in space",
-                      describeMotion(scene, summary));
+  text +=
+      fmt::format("{}, {}, {}; {}", counted(scene.model.tiles.size(), "tile"),
+                  counted(scene.model.joints.size(), "joint"),
+                  summary.needs.planar.on ? "planar" : "in space", describeMotion(scene, summary));
   if (!settings.peerSpelling.empty())
     text += fmt::format("; PyKirigami's constants, by {}", settings.peerSpelling);
   text += '\n';

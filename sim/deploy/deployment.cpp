@@ -231,7 +231,7 @@ bool isSearched(const scene::Scene& scene) {
 void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result) {
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
-  if (result.needs.contacts.on || grown <= run::kClearShare * tile) return;
+  if (result.needs.contacts.on || grown <= run::kAllowedOverlap * tile) return;
   result.warnings.push_back(fmt::format(
       "bricks overlapped by up to {} in a run without contacts. `contacts = all` prevents overlaps",
       model::lengthInTiles(grown, scene.model)));
@@ -390,13 +390,13 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
     return;
   std::vector<std::string> faults;
   const double tile = model::tileSize(scene.model);
-  const bool isOverlapping = grown > run::kClearShare * tile;
+  const bool isOverlapping = grown > run::kAllowedOverlap * tile;
   if (isOverlapping) {
     faults.push_back(
         fmt::format("bricks overlap by up to {}", model::lengthInTiles(grown, scene.model)));
   }
   const bool isExact = found.planned.path && !found.planned.path->hasCompliantJoints;
-  if (isExact && result.accuracy.jointGapEnd > run::kOpenJoints * tile) {
+  if (isExact && result.accuracy.jointGapEnd > run::kAllowedOpening * tile) {
     faults.push_back(fmt::format(
         "joints are open by {} at the end, because the tiles do not fit each other. Correct their "
         "corners, or use `joint_ratio`",
@@ -443,7 +443,7 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   search(inSpace, budget, watch, other);
   const std::optional<run::GeometricPath>& path = other.planned.path;
   if (!path || !path::isCollisionFree(inSpace, *path)) return;
-  if (path->evaluation.opening > run::kOpenJoints * model::tileSize(given.model)) return;
+  if (path->evaluation.opening > run::kAllowedOpening * model::tileSize(given.model)) return;
   scene = inSpace;
   found = std::move(other);
 }

@@ -86,8 +86,9 @@ class ClosingPath {
     before_ = beforeLast();
     gaps_ = gapsAt(last_);
     const double longest = extension_ / kStepsToExtension;
-    const double allowed = meter_.grownAt(last_) +
-                           run::kClearShare * tile_;  // the path to extension has the same limit
+    const double allowed =
+        meter_.grownAt(last_) +
+        run::kAllowedOverlap * tile_;  // the path to extension has the same limit
     double step = longest;
     // The gaps of the previous state show which gaps are closing.
     std::vector<double> earlier = gapsAt(before_, gaps_);
@@ -143,7 +144,7 @@ class ClosingPath {
           "error: `to = closed` follows the motion of the sheet, but the sheet does not extend "
           "from its start. Set `target` or other joints (`joints_file`)");
     }
-    if (found_.evaluation.overlapGrowth > run::kClearShare * tile_) {
+    if (found_.evaluation.overlapGrowth > run::kAllowedOverlap * tile_) {
       throw InputError(
           "error: `to = closed`: tiles overlap before full extension, so they cannot move beyond "
           "it. Set `target`");

@@ -701,8 +701,9 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
 /// A test of a state for open joints: beyond roundedReach() if the coordinates are rounded.
 auto testForOpenJoints(const scene::Scene& scene) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
-  const double reach = scene.model.rounding > 0 ? run::roundedReach(scene.model)
-                                                : run::kOpenJoints * model::tileSize(scene.model);
+  const double reach = scene.model.rounding > 0
+                           ? run::roundedReach(scene.model)
+                           : run::kAllowedOpening * model::tileSize(scene.model);
   return [pivots = brick::makePivots(scene.model.joints, bricks), reach](const Poses& state) {
     return trajectory::jointGap(pivots, state).max > reach;
   };

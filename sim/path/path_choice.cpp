@@ -185,7 +185,7 @@ class TrialOverlaps {
   /// `requested`: the requested contacts, i.e. which pairs must not overlap.
   TrialOverlaps(const scene::Scene& scene, scene::ContactFilter requested)
       : isOfUnjoined_(requested == scene::ContactFilter::Unjoined),
-        most_(run::kClearShare * model::tileSize(scene.model)),
+        most_(run::kAllowedOverlap * model::tileSize(scene.model)),
         zone_(scene.environment.pivotZone),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(brick::makePivots(scene.model.joints, bricks_)) {}
@@ -374,7 +374,7 @@ class PathSearch {
     const scene::Environment& environment = scene_.environment;
     const bool isLoaded = environment.ground || !environment.gravity.isZero(0);
     const bool isExact =
-        atTarget_.nearest.restError <= run::kFarShare * model::tileSize(scene_.model);
+        atTarget_.nearest.restError <= run::kFarError * model::tileSize(scene_.model);
     return fmt::format("{}{}",
                        isExact ? " arrives" : " reaches the nearest known state with closed joints",
                        isLoaded ? " without gravity and ground" : "");
@@ -525,7 +525,7 @@ bool pullsToTarget(const scene::Scene& scene) {
 std::string openTargetWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double gap = model::largestJointGap(scene.model.joints, *scene.model.target);
-  if (gap <= run::kOpenJoints * tile) return "";
+  if (gap <= run::kAllowedOpening * tile) return "";
   return fmt::format(
       "the target opens its joints by {} ({:.2g} tiles); closed joints cannot reach it",
       lengthText(gap, scene.model.unit), gap / tile);
@@ -549,7 +549,7 @@ std::string turnedWarning(const scene::Scene& scene) {
 std::string rigidWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
-  if (bound <= run::kFarShare * tile) return "";
+  if (bound <= run::kFarError * tile) return "";
   return fmt::format(
       "the target is out of reach: its tiles have other shapes. Rigid tiles cannot come nearer "
       "than {}",
@@ -579,7 +579,7 @@ std::vector<std::string> targetWarnings(const scene::Scene& scene) {
 
 std::string reachWarning(const scene::Scene& scene, const run::AssembledState& nearest) {
   const double tile = model::tileSize(scene.model);
-  if (!pullsToTarget(scene) || nearest.error <= run::kFarShare * tile) return "";
+  if (!pullsToTarget(scene) || nearest.error <= run::kFarError * tile) return "";
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(

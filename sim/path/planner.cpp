@@ -2,7 +2,7 @@
 //
 // There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
 // and one stop rule: the search ends at the first path that arrives without overlaps and whose
-// joints count as closed (kOpenJoints). Costly candidates are tried only if none is known whose
+// joints count as closed (kAllowedOpening). Costly candidates are tried only if none is known whose
 // joints open by less than the order counts (kOpeningStep). A candidate has a guide, contacts or
 // none, and joints that are exact or of stiffness r. r is relative to the stiffness of one tile's
 // position. If a candidate stiffens, its path guides the next one with r ten times as large, as
@@ -241,7 +241,7 @@ class PathOrder {
 
   Key keyOf(const run::PathEvaluation& path) const {
     const bool arrives = path.end == run::PathEnd::Arrived;
-    const bool isOverlapping = path.overlapGrowth > run::kClearShare * tile_;
+    const bool isOverlapping = path.overlapGrowth > run::kAllowedOverlap * tile_;
     if (arrives && !isOverlapping) {
       return {0, std::floor(path.opening / (kOpeningStep * tile_)), path.roughFrames, path.opening};
     }
@@ -279,7 +279,7 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
                                            const PathObserver& shouldContinue) {
   const run::PathEvaluation& before = found.evaluation;
   const double tile = model::tileSize(scene.model);
-  const double allowed = run::kClearShare * tile;
+  const double allowed = run::kAllowedOverlap * tile;
   const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
   if (isSmooth && before.overlapGrowth <= allowed && before.opening == 0) return std::nullopt;
   run::SearchBudget part(std::min(budget.left(), 0.5 * budget.all()));
@@ -364,7 +364,7 @@ class Planner {
       tryCandidate(candidate);
       if (!budget_.isLimited()) limitBudget();
       if (mayEndSearch()) improveSelected();
-      if (isGood(*planned_.path, run::kOpenJoints)) break;
+      if (isGood(*planned_.path, run::kAllowedOpening)) break;
     }
     improveSelected();
     // A candidate that ran out of budget matters only if no other is collision-free.
@@ -393,7 +393,7 @@ class Planner {
   /// between its states.
   bool mayEndSearch() const {
     const run::GeometricPath& found = *planned_.path;
-    return isClosed(found, run::kOpenJoints) &&
+    return isClosed(found, run::kAllowedOpening) &&
            (found.evaluation.hasContacts || !overlaps(scene_, found));
   }
 
@@ -447,7 +447,7 @@ class Planner {
     return *isBlocked_;
   }
 
-  double allowedGrowth() const { return run::kClearShare * tile_; }
+  double allowedGrowth() const { return run::kAllowedOverlap * tile_; }
 
   /// The growth of overlaps at a state, for bricks that may touch, metres.
   double growthAt(const Poses& state) const {
@@ -645,7 +645,7 @@ scene::ContactFilter contactsIfOn(scene::ContactFilter requested) {
 }
 
 bool overlaps(const scene::Scene& scene, const run::GeometricPath& found) {
-  return found.evaluation.overlapGrowth > run::kClearShare * model::tileSize(scene.model);
+  return found.evaluation.overlapGrowth > run::kAllowedOverlap * model::tileSize(scene.model);
 }
 
 bool isCollisionFree(const scene::Scene& scene, const run::GeometricPath& found) {
@@ -709,7 +709,7 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
   const run::PathEvaluation& path = planned.path->evaluation;
   const std::string words = fmt::format("tiles overlap by up to {} on the path",
                                         model::lengthInTiles(path.overlapGrowth, scene.model));
-  if (path.overlapGrowthAtEnd > run::kClearShare * tile) {
+  if (path.overlapGrowthAtEnd > run::kAllowedOverlap * tile) {
     const auto touching = std::ranges::find_if(
         planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
     const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;

@@ -270,7 +270,7 @@ class Smoothing {
   std::vector<Poses> find() {
     if (!prepare()) return {};
     bool isImproved = improve(0, count() - 1);
-    const bool isFree = overlap_ <= run::kClearShare * tile_;
+    const bool isFree = overlap_ <= run::kAllowedOverlap * tile_;
     sampleFinely();
     for (const auto& [first, last] : roughParts()) isImproved = improve(first, last) || isImproved;
     if (!isImproved) return {};

@@ -9,14 +9,14 @@ namespace kirireel::run {
 /// Largest multiple of the least known error that counts as arrived.
 inline constexpr double kArrivalFactor = 1.05;
 /// Absolute tolerance in tiles, for targets that can be reached exactly.
-inline constexpr double kArrivalShare = 1e-6;
+inline constexpr double kArrivalTolerance = 1e-6;
 /// Above this error, in tiles, a target is missed even if no nearer state is known.
-inline constexpr double kFarShare = 0.1;
+inline constexpr double kFarError = 0.1;
 
 /// The largest target error that counts as arrived, metres. `leastError`: the least known error
 /// with closed joints, metres; see AssembledState.
 inline double arrivalLimit(const model::Model& model, double leastError) {
-  return kArrivalFactor * leastError + kArrivalShare * model::tileSize(model);
+  return kArrivalFactor * leastError + kArrivalTolerance * model::tileSize(model);
 }
 
 /// Whether a target error, metres, equals the least known error within the tolerance.
@@ -27,7 +27,7 @@ inline bool isNearest(const model::Model& model, double error, double leastError
 /// Whether a run with this target error, metres, has arrived: no nearer state is known, and the
 /// target is within reach.
 inline bool hasArrived(const model::Model& model, double error, double leastError) {
-  return isNearest(model, error, leastError) && error <= kFarShare * model::tileSize(model);
+  return isNearest(model, error, leastError) && error <= kFarError * model::tileSize(model);
 }
 
 }  // namespace kirireel::run

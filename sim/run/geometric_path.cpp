@@ -182,7 +182,7 @@ void addPushedWarning(const scene::Scene& scene, const Poses& closed, Deployment
   const Poses asRead = brick::startPoses(scene.model.tiles, bricks);
   trajectory::PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
   const double pushed = meter.grownAt(closed);
-  if (pushed <= kClearShare * tile) return;
+  if (pushed <= kAllowedOverlap * tile) return;
   result.warnings.push_back(fmt::format(
       "the joints are open by up to {} at the start. Closing them makes bricks overlap by {}",
       lengthText(trajectory::jointGap(pivots, asRead).max, scene.model.unit, 2),

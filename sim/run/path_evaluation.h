@@ -7,10 +7,10 @@
 namespace kirireel::run {
 
 /// Growth of overlap beyond the start, in tiles, up to which a path counts as collision-free.
-inline constexpr double kClearShare = 1e-4;
+inline constexpr double kAllowedOverlap = 1e-4;
 /// Joints with larger gaps, in tiles, count as open. Data that are rounded to three digits have
 /// such gaps.
-inline constexpr double kOpenJoints = 1e-3;
+inline constexpr double kAllowedOpening = 1e-3;
 
 /// How a path ends.
 enum class PathEnd {

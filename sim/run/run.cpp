@@ -353,7 +353,8 @@ void Run::settleAtNearest() {
       std::max({kSettlingShare * tile, kSettlingGaps * gap, roundedReach(bricks_.scene.model)});
   if (farthestMove(motion_.poses(), *nearest, tile) > reach) return;
   RunFigures& figures = recorder_.figures();
-  const double allowed = std::max(figures.overlapsOf(motion_.poses()).grown, kClearShare * tile);
+  const double allowed =
+      std::max(figures.overlapsOf(motion_.poses()).grown, kAllowedOverlap * tile);
   if (bricks_.needs.contacts.on && figures.overlapsOf(*nearest).grown > allowed) return;
   clock_.beginStep(std::numeric_limits<double>::infinity());
   motion_.beginStep();

@@ -434,9 +434,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
   const int modes = last.unstableModes;
   result.outcome = loaded.arrives ? run::Outcome::Settled : run::Outcome::Locked;
   if (loaded.arrives) {
-    result.reason = modes == 0
-                        ? "reached, stable"
-                        : "reached, " + counted(modes, "unstable mode");
+    result.reason = modes == 0 ? "reached, stable" : "reached, " + counted(modes, "unstable mode");
     result.reason += fmt::format(", through {} equilibria", loaded.states.size());
   } else if (loaded.extent && !leading.name.isTurn) {
     const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
@@ -447,14 +445,14 @@ void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
   }
   if (!loaded.arrives) result.shortfall = result.reason;
   if (loaded.arrives && modes > 0) {
-    result.warnings.push_back(fmt::format(
-        "the last equilibrium is unstable: the sheet would leave it in {}",
-        counted(modes, "independent direction")));
+    result.warnings.push_back(
+        fmt::format("the last equilibrium is unstable: the sheet would leave it in {}",
+                    counted(modes, "independent direction")));
   }
   // Poses of bending tiles are only fits: their overlaps do not count.
   const double tile = model::tileSize(scene.model);
   const double grown = scene.hinges.panels ? 0 : result.accuracy.penetrationGrownMax;
-  if (grown > run::kClearShare * tile) {
+  if (grown > run::kAllowedOverlap * tile) {
     result.outcome = run::Outcome::Locked;
     const std::string overlap = fmt::format(
         "tiles overlap by up to {}. Equilibria under grips have no contacts, so the sheet can pass "

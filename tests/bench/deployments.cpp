@@ -112,7 +112,7 @@ std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
 /// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
 /// counts as collision-free.
 double mostGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
-  return std::max(run::kClearShare * model::tileSize(scene.model),
+  return std::max(run::kAllowedOverlap * model::tileSize(scene.model),
                   result.accuracy.penetrationGrownMax);
 }
 
@@ -239,7 +239,7 @@ void addOverlap(const scene::Scene& scene, const run::DeploymentResult& result, 
     return warning.find("bricks pass") != std::string::npos ||
            warning.find("into each other") != std::string::npos;
   });
-  row.require(grown <= run::kClearShare * tile || isReported, "overlap");
+  row.require(grown <= run::kAllowedOverlap * tile || isReported, "overlap");
 }
 
 void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
