@@ -339,7 +339,7 @@ const std::map<std::string, std::string>& peerOptions() {
       {"-gf", "--ground-friction"},
       {"--filter_collision", "--contacts=none"},
       {"--no_collision", "--contacts=unjoined"},
-      {"--auto_detect_connections", "--auto-detect-connections"},
+      {"--auto_detect_connections", "--faces=pykirigami"},
       {"--num_substeps", "--substeps"},
       {"--cm_expansion", "--actuation=expansion"},
       {"--target_vertices_file", "--target"},

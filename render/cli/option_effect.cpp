@@ -405,10 +405,6 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
                     "them",
                     option));
   }
-  if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
-    throw InputError(
-        "error: --auto-detect-connections is --faces pykirigami. Use only one of them");
-  }
 }
 
 std::set<std::string> givenOptions(const CLI::App& command) {

@@ -69,10 +69,6 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
        {"pykirigami", formats::FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
   group
-      .flag("--auto-detect-connections", "the same as --faces pykirigami",
-            [&order] { order.faces = formats::FaceRule::PyKirigami; })
-      .excludeFromFingerprint();  // --faces reports it
-  group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
              [&order](const scene::TypedValue& typed) { order.splitTiles = parseTiles(typed); })
       .serializedAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });

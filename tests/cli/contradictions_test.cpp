@@ -44,8 +44,6 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
       {{"--cm_expansion", "--boundary-aspect", "3"},
        "--boundary-aspect works only with --actuation boundary."},
       {{"--density", "900"}, "--density works only with --mass prism."},
-      {{"--faces", "fold", "--auto_detect_connections"},
-       "--auto-detect-connections is --faces pykirigami. Use only one of them"},
       {{"--pace", "even", "--speed", "0.5"}, "--speed works only with --pace real."},
       {{"--length", "5", "--pace", "real"}, "--length works only with --pace even."},
       {{"--length", "5", "--speed", "0.5"}, "--length is for an even pace and --speed for real "},

@@ -70,7 +70,6 @@ const std::vector<Sample>& chosenSamples() {
       {"--unit", {"mm", "km"}},
       {"--export-unit", {"mm"}, {"--export", "obj"}},
       {"--faces", {"fold", "pykirigami"}},
-      {"--auto-detect-connections", {}},
       {"--split-tiles", {"all", "0,2"}},
       {"--joints-file", {"a.txt"}},
       {"--frame", {"0", "3"}},
@@ -329,7 +328,6 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
   }
   EXPECT_EQ(termsOf({"--ground"}), termsOf({"--ground-friction", "0.5"}));
   EXPECT_EQ(termsOf({"--gravity", "-9.81"}), termsOf({"--gravity", "0,0,-9.81"}));
-  EXPECT_EQ(termsOf({"--faces", "pykirigami"}), termsOf({"--auto-detect-connections"}));
   EXPECT_EQ(termsOf({"--captions", "gap,time"}), termsOf({"--captions", "time,gap"}));
 }
 

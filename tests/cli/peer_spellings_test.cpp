@@ -57,7 +57,7 @@ TEST(PeerSpellings, AreKnownFromOurs) {
       {{"record", "fan", "--like", "pykirigami"}, "--like pykirigami"},
       {{"record", "my_fan", "--thickness", "0.1", "--gravity", "-9"}, ""},
       {{"record", "fan", "--spring-stiffness", "25"}, ""},
-      {{"record", "fan", "--auto-detect-connections"}, ""}};
+      {{"record", "fan", "--auto-detect-connections"}, "--auto-detect-connections"}};
   for (const auto& [words, expected] : cases) EXPECT_EQ(cli::peerSpelling(words), expected);
 }
 
