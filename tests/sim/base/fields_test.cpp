@@ -1,4 +1,4 @@
-/// What is made from the description of a struct.
+/// Texts and checks made from the description of a struct.
 #include "sim/base/fields.h"
 
 #include <optional>

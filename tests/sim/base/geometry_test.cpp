@@ -74,7 +74,7 @@ TEST(SingularValuesOf, LeavesZerosWhereRowsDependOnEachOther) {
 }
 
 TEST(WithoutNegativePart, KeepsOnlyThePositivePart) {
-  // Rotated axes, so no entry is a stretch itself.
+  // In rotated axes no entry is a stretch itself.
   const Matrix3 axes = rotationFromVector({0.3, -0.4, 0.5}).toRotationMatrix();
   const Matrix3 matrix = axes * Vector3(2, -3, 0.5).asDiagonal() * axes.transpose();
   const Matrix3 expected = axes * Vector3(2, 0, 0.5).asDiagonal() * axes.transpose();

@@ -9,8 +9,8 @@
 namespace kirireel {
 namespace {
 
-/// Checks for 30 ms of CPU time, in which two checks are called at least: at most 10 ms pass
-/// between two. Returns how long that took, milliseconds.
+/// Calls the check for 30 ms of CPU time. At most 10 ms pass between two checks, so at least two
+/// are counted. Returns the time between them, milliseconds.
 double checkFor30Milliseconds() {
   const auto start = std::chrono::steady_clock::now();
   const double end = threadCpuSeconds() + 0.03;

@@ -16,7 +16,7 @@ TEST(JsonText, HasALineForEachEntryWhereItIsIndented) {
   EXPECT_EQ(jsonText(Json{{"a", 1}}, 2), "{\n  \"a\": 1\n}");
 }
 
-// Names of files may hold bytes that are no UTF-8; no text that we write may.
+// Names of files may have bytes that are not UTF-8. Our texts must not.
 TEST(JsonText, ReplacesBytesThatAreNoUtf8) {
   EXPECT_EQ(jsonText(Json("caf\xe9")), "\"caf\xef\xbf\xbd\"");
 }

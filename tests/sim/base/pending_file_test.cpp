@@ -96,7 +96,7 @@ TEST_F(PendingFileTest, ReplacesLinksAndLeavesWhatTheyLeadTo) {
   EXPECT_FALSE(fs::exists(folder_ / "a.part2.txt"));
 }
 
-/// Lets no file grow beyond some bytes, as on a full disk.
+/// Limits the size of files, as on a full disk.
 class SmallFiles {
  public:
   explicit SmallFiles(rlim_t bytes) {

@@ -50,8 +50,8 @@ brick::BrickRule rule(double thickness, brick::MassRule mass) {
   return result;
 }
 
-/// Volume, first and second moments of a solid from the tetrahedra that join a point outside it to
-/// the triangles of its outward faces: the second method.
+/// The second method: volume, first and second moments of a solid from the tetrahedra between a
+/// point outside it and the triangles of its outward faces.
 struct SolidMoments {
   double volume = 0;
   Vector3 first = Vector3::Zero();

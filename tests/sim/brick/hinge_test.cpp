@@ -1,4 +1,4 @@
-// Hinges, their angles, and what springs there hold.
+// Hinges, their angles, and the energies of springs there.
 #include "sim/brick/hinge.h"
 
 #include <cmath>
@@ -55,8 +55,8 @@ std::vector<brick::HingeSpring> springsAt(const brick::FoundHinges& found, doubl
   return springs;
 }
 
-// Each hinge of rotating squares opens by the sheet's angle. n hinges therefore hold n k (angle -
-// rest)^2 / 2 and pull with k (rest - angle) each.
+// Each hinge of rotating squares opens by the sheet's angle. The energy of n hinges is n k (angle -
+// rest)^2 / 2, and their moment k (rest - angle) each.
 TEST(Hinges, OfRotatingSquaresOpenByTheSheetsAngle) {
   for (const bool planar : {true, false}) {
     for (const double start : {0.0, 0.3, 1.2}) {
@@ -130,7 +130,8 @@ TEST(Hinges, KnowAnglesBeyondAStraightAngle) {
   }
 }
 
-// Bricks that pass through each other wind the spring up: its angle does not jump by a full turn.
+// Bricks that pass through each other turn the spring further: its angle does not jump by a full
+// turn.
 TEST(Hinges, AnglesAreContinuousBeyondWhatBricksCanReach) {
   const Sheet sheet(flushTriangles());
   const brick::Hinge hinge = sheet.hinges(true).hinges.at(0);
@@ -138,7 +139,7 @@ TEST(Hinges, AnglesAreContinuousBeyondWhatBricksCanReach) {
   for (const double sign : {-1.0, 1.0}) {
     Poses poses = sheet.poses;
     for (int step = 1; step <= 70; ++step) {
-      // As a run turns its bricks: by a little, again and again.
+      // Many small rotations, as in a run.
       const auto turn = [&](int brick, double angle) {
         Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
         rotation = (rotationFromVector(angle * hinge.axis) * rotation).normalized();
@@ -161,7 +162,7 @@ TEST(Hinges, HaveTheSameAnglesWhicheverTileComesFirst) {
   EXPECT_NEAR(brick::hingeAngle(hinge, poses), 0.7, 1e-12);
 }
 
-/// Two unit squares that share an edge, joined at both its ends on one face.
+/// Two unit squares with a common edge, joined at both its ends on one face.
 model::Model folded(model::JointFace face, double angle) {
   model::Model model;
   const Vector3 up(0, std::cos(angle), std::sin(angle));

@@ -25,7 +25,8 @@ TEST(NeckStiffness, LiesBetweenADeepCrackAndABeam) {
   const auto beam = [&](double length) {
     return youngs * thickness * width * width * width / (12 * length);
   };
-  // Tiles give at its ends, by 1.26 widths together. Measured: 1.0000 and 1.0002.
+  // Tiles are compliant at its ends, together like 1.26 widths of neck. Measured: 1.0000 and
+  // 1.0002.
   EXPECT_NEAR(stiffness(0.1) / beam(0.1 + 1.26 * width), 1, 0.002);
   EXPECT_NEAR(stiffness(100 * width) / beam(101.26 * width), 1, 0.002);
   double last = stiffness(0);
@@ -41,7 +42,8 @@ TEST(NeckStiffness, WithoutLengthIsThatOfItsTiles) {
   for (const double share : {0.001, 0.0125, 0.02, 0.05, 0.12, 0.2, 0.33, 0.4}) {
     const brick::CornerNeck neck =
         brick::cornerNeck(youngs, thickness, share * side, squares(side));
-    // A deep crack's bending, and softer tiles as it is narrower. Measured: 1.006 to 1.135.
+    // Bending at a deep crack. Tiles are more compliant at narrower necks. Measured: 1.006 to
+    // 1.135.
     const double crack = sheet * share * share * side * side / 15.8;
     EXPECT_NEAR(neck.bending / crack, 1, share > 0.2 ? 0.14 : 0.04) << share;
     EXPECT_GT(neck.stretch, stretch) << share;
@@ -56,7 +58,7 @@ TEST(NeckStiffness, WithoutLengthIsThatOfItsTiles) {
   EXPECT_NEAR(brick::neckAxis(0.01, 10, squares(1)), 0.005, 1e-5);
 }
 
-// With a length the ends are what they are without one, but for what squares' lose with it.
+// The ends of a neck with a length are as compliant as without, except for a correction of squares.
 TEST(NeckStiffness, OfAnyTilesGoesFromTheirCornersToABeam) {
   const double youngs = 2e9, thickness = 0.003, width = 0.02;
   for (const double angle : {60.0, 90.0, 120.0}) {
@@ -94,7 +96,7 @@ TEST(NeckStiffness, FallsWithTheAnglesOfItsTiles) {
     EXPECT_GT(neck(angle, angle).shear, neck(angle - 1, angle - 1).shear) << angle;
     EXPECT_LT(neck(angle, angle).axis, neck(angle - 1, angle - 1).axis) << angle;
   }
-  // Two tiles give in series, whichever comes first.
+  // The compliances of two tiles add up, in either order.
   const brick::CornerNeck mixed = neck(60, 120);
   EXPECT_NEAR(2 / mixed.bending, 1 / neck(60, 60).bending + 1 / neck(120, 120).bending, 1e-12);
   EXPECT_LT(mixed.axis, neck(60, 60).axis);

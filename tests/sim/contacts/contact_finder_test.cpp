@@ -23,7 +23,7 @@ scene::Environment around(scene::ContactFilter filter) {
   return environment;
 }
 
-/// What one move runs into.
+/// Contacts on one move.
 struct Found {
   std::vector<brick::Contact> contacts;
   double overlap = 0;
@@ -77,7 +77,7 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
       const Found found = findContacts(bricks, start, end);
       EXPECT_FALSE(found.contacts.empty());
       EXPECT_GT(found.overlap, 0.03);
-      // Every contact still held at the start; one at least is violated at the end.
+      // No contact is violated at the start, at least one at the end.
       double least = 0;
       for (const brick::Contact& contact : found.contacts) {
         EXPECT_GT(brick::contactGap(contact, start), 0);
@@ -111,7 +111,7 @@ TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
   EXPECT_GT(met, 50);
 }
 
-/// Convex polygons, anticlockwise from above: what both have (Sutherland and Hodgman).
+/// The intersection of convex polygons, anticlockwise from above (Sutherland and Hodgman).
 std::vector<Vector3> overlapOf(std::vector<Vector3> polygon, const std::vector<Vector3>& other) {
   for (std::size_t k = 0; k < other.size(); ++k) {
     const Vector3 edge = other[(k + 1) % other.size()] - other[k];
@@ -174,7 +174,7 @@ TEST(ContactFinder, GivesNoContactsForSeparateBricks) {
     const std::vector<brick::Brick> bricks(2, test::plate(0.1));
     const Poses start = {chance.pose(0.7), chance.pose(0.7)};
     if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
-    // Moved by less than they are apart along some plane: the same plane still parts them.
+    // Moved by less than their distance along a plane: this plane still separates them.
     Poses end = start;
     end[1].position += 1e-6 * chance.vector();
     const Found found = findContacts(bricks, start, end);
@@ -196,7 +196,7 @@ struct JoinedPair {
     pivots = brick::makePivots(model.joints, bricks);
   }
 
-  /// The poses at an opening angle: every brick turned as its tile is.
+  /// The poses at an opening angle.
   Poses opened(double angle) const {
     const std::vector<model::Tile> closed = generate::tessellationTiles(shape, 0);
     const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, angle);
@@ -250,7 +250,8 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
 }
 
 TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
-  // Hinged along a side, the second plate folds over the first and may lie on it, not in it.
+  // The second plate is hinged along a side. It folds over the first and may lie on it, but not
+  // overlap it.
   const std::vector<brick::Brick> bricks(2, test::plate(0.02));
   const Vector3 hinge(0.5, 0, 0.01);
   const auto folded = [&](double angle) {
@@ -267,9 +268,9 @@ TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
 }
 
 TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
-  // Joined at their bottom corners and 0.3 rad open, folded towards their tops about the line
-  // through the pivot across the gap: whole bricks meet above the pivot at once, bricks without
-  // their corners when the fold has closed the gap next to them.
+  // Two bricks joined at their bottom corners and 0.3 rad open, folded towards their tops about the
+  // line through the pivot across the gap. Whole bricks meet above the pivot at once. Bricks
+  // without their corners meet when the fold has closed the gap next to these.
   const JoinedPair pair(model::JointFace::Bottom);
   const Poses open = pair.opened(0.3);
   const Vector3 pivot = open[0].apply(pair.pivots[0].pointA);
@@ -308,8 +309,8 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
 }
 
 TEST(ContactFinder, HandsNoPairOverThroughItself) {
-  // Thin plates that overlap by more than their thickness where the run begins: every plane counts
-  // them as apart, but none may hand over to the one on the other side.
+  // Thin plates that overlap by more than their thickness at the start. Every plane between them
+  // counts as separating, but none may change to the plane on the other side.
   const std::vector<brick::Brick> bricks(2, test::plate(0.01));
   const Quaternion upright = rotationFromVector({0, 0.5 * std::numbers::pi, 0});
   const auto crossed = [&](double height) { return Poses{{}, {Vector3(0.2, 0, height), upright}}; };
@@ -385,7 +386,7 @@ TEST(ContactFinder, GivesAPlaneOnceInAStep) {
   EXPECT_EQ(contacts.size(), first);
 }
 
-/// Four tiles in a heap that all run into each other, in the order given.
+/// Four tiles in a heap that all overlap each other, in the given order.
 Found heap(const std::vector<int>& order, int warmUps) {
   Chance chance(6);
   std::vector<brick::Brick> bricks;
@@ -413,8 +414,8 @@ Found heap(const std::vector<int>& order, int warmUps) {
   return findContacts(finder, sorted(start), sorted(end));
 }
 
-/// The contacts as sorted rows of numbers that do not know who is brick 0: the pair by its original
-/// numbers, and the point in A.
+/// The contacts as sorted rows of numbers, which do not depend on the order of bricks: the pair by
+/// its original numbers, and the point in A.
 std::vector<std::vector<double>> signatures(const Found& found, const std::vector<int>& order) {
   std::vector<std::vector<double>> rows;
   for (const brick::Contact& contact : found.contacts) {
@@ -422,7 +423,7 @@ std::vector<std::vector<double>> signatures(const Found& found, const std::vecto
     const Vector3& b = contact.pointB;
     std::vector<double> row = {static_cast<double>(order[contact.brickA]),
                                static_cast<double>(order[contact.brickB])};
-    // Contacts of two edges know no owner of the plane.
+    // The plane of two edges belongs to neither brick.
     if (contact.isEdge) std::sort(row.begin(), row.end());
     const bool swapped = row[0] != order[contact.brickA];
     for (const Vector3& point : {swapped ? b : a, swapped ? a : b}) {

@@ -26,7 +26,7 @@ TEST(MotionBound, IsReachedByNoPoint) {
     EXPECT_LE(moved, bound + 1e-12);
     closest = std::max(closest, moved / bound);
   }
-  EXPECT_GT(closest, 0.9);  // the bound is no looser than it must be; measured 0.99
+  EXPECT_GT(closest, 0.9);  // the bound is tight; measured 0.99
 }
 
 std::vector<brick::Brick> prisms(int count) {
@@ -41,7 +41,7 @@ Poses scattered(Chance& chance, int count, double spread) {
   return poses;
 }
 
-// A state that was recorded before the first update has no boxes, and none of a later one are kept.
+// A state recorded before the first update has no boxes, and keeps none of a later update.
 TEST(NearPairs, PlayAStateFromBeforeTheFirstUpdate) {
   Chance chance(3);
   const std::vector<brick::Brick> bricks = prisms(10);

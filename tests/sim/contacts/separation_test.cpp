@@ -229,7 +229,7 @@ TEST(PlaneContacts, OfAFaceAreAllPointsAtTheirDistances) {
   }
 }
 
-/// The planes of a pair that two edges span well.
+/// The planes of a pair whose two edges are far from parallel.
 std::vector<contacts::SeparatingPlane> edgePlanes(const Pair& pair) {
   std::vector<contacts::SeparatingPlane> found;
   for (const contacts::SeparatingPlane& plane : pair.planes()) {
@@ -264,7 +264,7 @@ TEST(PlaneContacts, OfTwoEdgesHoldBothBricksOnTheirSides) {
 TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
   const brick::Brick plate = test::plate(0.1);
   for (const double angle : {1e-3, 0.04, 0.06, 0.5}) {
-    // Turned about z, the directions along the sides span the angle.
+    // Rotated about z. The directions along the sides bound the angle.
     const Pair pair(plate, {}, plate, {{0, 0, 1}, rotationFromVector({0, 0, angle})}, false);
     int steady = 0;
     for (const contacts::SeparatingPlane& plane : pair.planes()) {
@@ -349,7 +349,7 @@ TEST(ContactRow, OfTheGroundIsTheGapsDerivative) {
 int expectEdgeRows(const Pair& pair) {
   int rows = 0;
   for (const contacts::SeparatingPlane& plane : edgePlanes(pair)) {
-    // The gap of nearly parallel edges bends too much for a difference.
+    // The gap of nearly parallel edges is too curved for a difference.
     const Vector3& edgeA = pair.a.directions[plane.a];
     if (edgeA.cross(pair.b.directions[plane.b]).norm() < 0.2) continue;
     for (const brick::Contact& contact : pair.contacts(plane)) {

@@ -46,7 +46,7 @@ bool isAtTarget(const scene::Scene& scene, const run::DeploymentResult& run) {
   return error <= 1.05 * run.assembledError + 1e-6 * tile && error <= 0.1 * tile;
 }
 
-// A strip that rolls up is kept from its target by its thickness.
+// The thickness of a strip that rolls up keeps it from its target.
 TEST(Arrival, ASheetThatItsThicknessKeepsShortIsNotAtItsTarget) {
   scene::Scene scene = sceneOf(familyOf("sphere-to-saddle"));
   scene.environment.contacts = scene::ContactFilter::All;
@@ -73,9 +73,9 @@ TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
   EXPECT_THAT(none.shortfall, IsEmpty());
 }
 
-// Pairs that may not touch do not count, those that may do.
+// Overlaps count only for pairs that have contacts.
 TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
-  // Two squares close on each other about a common corner, and overlap beyond it.
+  // Two squares close about a common corner, and overlap beyond it.
   scene::Scene scene = sceneOf(familyOf(
       "tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));
   std::swap(scene.model.tiles, *scene.model.target);
@@ -106,7 +106,7 @@ scene::Scene sceneOnRoughGround(const char* family, double gravity,
   return scene;
 }
 
-// Bricks that lie on the ground are pulled by less than friction holds.
+// Bricks on the ground, pulled by less than their friction.
 TEST(Arrival, FrictionThatHoldsASheetIsReported) {
   const scene::Scene scene = sceneOnRoughGround("tessellation", 1e4, {{"columns", 2}, {"rows", 2}});
   const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);

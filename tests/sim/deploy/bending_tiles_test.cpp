@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A square of 1 m, split along the diagonal from its first corner, that nothing moves or damps.
+/// A square of 1 m, split along the diagonal from its first corner, without loads or damping.
 scene::Scene bendingSquare(double youngs, double thickness = 0.02) {
   scene::Scene scene;
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
@@ -40,7 +40,7 @@ void bendAt(double rate, scene::Scene& scene) {
   for (const int half : {0, 1}) {
     const bool isB = springs.at(0).hinge.brickB == half;
     const Vector3 turn = (isB ? 0.5 : -0.5) * rate * springs[0].hinge.axis;
-    // The hinge moves up or down by what the halves' centres would: those keep their height.
+    // The hinge moves up or down, because the halves' centres keep their height.
     const Vector3 arm = poses[static_cast<std::size_t>(half)].position - Vector3(0.5, 0.5, 0);
     Vector3 linear = turn.cross(arm);
     linear.z() = 0;
@@ -81,7 +81,7 @@ TEST(BendingTiles, SwingWithTheFrequencyOfTheirClosedForm) {
   EXPECT_LT(worst, 1e-4 * swing);  // measured 2.9e-5: 7e-7 of the phase
 }
 
-// Undamped, what the halves store in their diagonal and their motion stays together what it was.
+// Without damping the sum of elastic and kinetic energy is constant.
 TEST(BendingTiles, KeepTheirEnergyToTheTolerance) {
   for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
     scene::Scene scene = bendingSquare(1e7);
@@ -130,7 +130,7 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
   }
 }
 
-// The parts of a tile are hinged on one face, and still bend to both sides.
+// The parts of a tile are hinged on one face, and bend to both sides.
 TEST(BendingTiles, AreNotInTheirOwnWay) {
   for (const double side : {1.0, -1.0}) {
     std::vector<double> angles;
@@ -168,8 +168,8 @@ scene::Scene frustratedSheet(double thickness) {
   return scene;
 }
 
-/// The equilibrium of bars and hinges under hardly any load on the corner opposite to the pinned
-/// square, with the corner's height as its displacement.
+/// The equilibrium of bars and hinges under a negligible load on the corner opposite to the pinned
+/// square. Its displacement is the corner's height.
 mechanics::Equilibrium balanceOf(scene::Scene scene) {
   scene.environment.contacts = scene::ContactFilter::Auto;
   scene.path.kind = scene::PathKind::Auto;
@@ -182,8 +182,8 @@ mechanics::Equilibrium balanceOf(scene::Scene scene) {
   return deploy::deploy(scene, 0.5, nullptr).loadCurve->states.front();
 }
 
-// Where a damped run comes to rest, bars and hinges of the same material are in balance, but for
-// what their bars stretch: bends are softer than bars by the square of the thickness.
+// A damped run comes to rest in the equilibrium of bars and hinges of the same material, up to the
+// strain of the bars: bending is softer than stretching by the square of the thickness.
 TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
   std::vector<double> heights, energies;
   for (const double thickness : {1e-3, 3e-4}) {
@@ -208,7 +208,8 @@ TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
   EXPECT_NEAR(energies[0] / energies[1], 100 / 9.0, 2);
 }
 
-// A sheet whose tiles could bend arrives where it does with rigid ones, and nothing is bent there.
+// A sheet with compliant tiles arrives at the same state as with rigid tiles, and none is bent
+// there.
 TEST(BendingTiles, DeployToATargetThatRigidTilesReach) {
   scene::Scene scene = scene::openScene();
   generate::TessellationShape shape;
@@ -257,7 +258,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
             "neither. "
             "Split tiles (`split_tiles = all`), or give folds a length scale (`panels = "
             "E,NU,LENGTH`). Tiles that also stretch need a [[grip]] in scene.toml");
-  // Folds suffice, and a warning reports that tiles stay rigid.
+  // Folds are enough. A warning reports the tiles that stay rigid.
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
   std::string said;

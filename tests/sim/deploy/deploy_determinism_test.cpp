@@ -47,7 +47,7 @@ bool dependsOnTheSeed(scene::Scene scene) {
   return !sameBytes(first, deploy::deploy(scene, 0.05, nullptr).trajectory);
 }
 
-/// A square with its corner on that of another one, which is held.
+/// A square whose corner touches another one, which is held.
 scene::Scene standingSquare() {
   scene::Scene scene;
   model::Tile square;

@@ -19,7 +19,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A 3 x 3 sheet without contacts: the quickest scene that does all.
+/// A 3 x 3 sheet without contacts: the fastest complete run.
 scene::Scene smallScene() {
   scene::Scene scene;
   generate::TessellationShape shape;
@@ -48,7 +48,7 @@ TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
   EXPECT_TRUE(result.needs.planar.on);
 }
 
-/// There the joints leave the square root of their gap free.
+/// Joints allow a rotation by the square root of their gap there.
 TEST(Deploy, AClosedSingularTargetIsReached) {
   for (const scene::ContactFilter contacts :
        {scene::ContactFilter::None, scene::ContactFilter::All}) {
@@ -86,7 +86,7 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
   EXPECT_GT(result.cost.cpuSeconds, 0);
 }
 
-/// All figures of a run but those that count samples, and its end, as numbers.
+/// The end of a run and all its figures, except counts of samples, as numbers.
 std::vector<double> figuresOf(run::DeploymentResult& result) {
   StateTape tape;
   for (const auto largest : {&run::Accuracy::jointGapMax, &run::Accuracy::jointOpeningMax,
@@ -103,7 +103,7 @@ std::vector<double> figuresOf(run::DeploymentResult& result) {
   return tape.numbers();
 }
 
-// Metamorphic: the rate of samples changes neither steps nor figures, but those that count samples.
+// Metamorphic: the rate of samples changes neither steps nor figures, except counts of samples.
 TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
   scene::Scene scene = smallScene();
   scene.environment.contacts = scene::ContactFilter::All;
@@ -154,7 +154,7 @@ TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
     for (std::size_t i = 0; i < sample.poses.size(); ++i) {
       const Vector3& from = steps[before].poses[i].position;
       const Vector3 move = steps[after].poses[i].position - from;
-      // Closing the joints hardly leaves the straight line between two steps.
+      // Closing the joints moves bricks little off the straight line between two steps.
       const double aside = (sample.poses[i].position - from - share * move).norm();
       EXPECT_LT(aside, 5e-4) << sample.time;  // edges of 1 m; measured 1.8e-4
     }
@@ -273,7 +273,7 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.2;  // the tiles do not grow with it
   }
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  // Half a tile away is not called arrived.
+  // A run that ends half a tile away has not arrived.
   EXPECT_EQ(result.outcome, run::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("no nearer state with closed joints was found"));
   EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidBound);
@@ -402,7 +402,7 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   EXPECT_NO_THROW(deploy::deploy(extended, 0.1, nullptr));
 }
 
-// A locked sheet leaves its plane in every kind of run, if something moves it.
+// A locked sheet leaves its plane in every kind of run, if a load moves it.
 TEST(Deploy, LeavesAPlaneThatLocksTheSheet) {
   scene::Scene scene = truss();
   scene.stop.duration = 0.1;

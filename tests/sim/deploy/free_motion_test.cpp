@@ -1,4 +1,4 @@
-// Motions that nothing hinders, against their closed forms or equations of motion.
+// Free motions against their closed forms or equations of motion.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ Vector3 massCentre(const std::vector<brick::Brick>& bricks, const Poses& poses) 
   return sum / mass;
 }
 
-/// How far the mass centre is from v t + g t^2 / 2 at worst, metres.
+/// The largest distance of the mass centre from v t + g t^2 / 2, metres.
 double farthestFromParabola(const run::DeploymentResult& run, const Vector3& speed) {
   const std::vector<brick::Brick>& bricks = run.trajectory.bricks;
   const Vector3 start = massCentre(bricks, run.trajectory.samples.front().poses);
@@ -140,7 +140,7 @@ TEST(FreeMotion, TheMeasuredErrorIsThatOfThePendulum) {
   }
 }
 
-/// Two tiles with a common edge and rates of their own, which tumble for 3 s.
+/// Two tiles with a common edge and different rates, which tumble for 3 s.
 scene::Scene tumblingPair(double tolerance) {
   model::Model model;
   model.tiles = {{{{-1, -0.5, 0}, {0, -0.5, 0}, {0, 0.5, 0}, {-1, 0.5, 0}}},
@@ -195,7 +195,7 @@ TEST(FreeMotion, NoErrorIsClaimedThatWasNotMeasured) {
 }
 
 TEST(FreeMotion, StepsThatGiveEnergyAreWarnedOf) {
-  // A long tile spins about its middle axis, which is not stable.
+  // A long tile spins about its middle axis, which is unstable.
   model::Model model;
   model.tiles = {{{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}};
   scene::Scene scene = undriven(std::move(model), 60);

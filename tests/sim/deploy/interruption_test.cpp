@@ -1,4 +1,4 @@
-// Deployments that are ended within a step, against undisturbed ones.
+// Deployments that end within a step, against uninterrupted ones.
 #include "sim/base/interruption.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using test::kStep;
 
-/// Interrupts a run at the check of this number.
+/// Interrupts a run at its check with this number.
 class InterruptAtCheck {
  public:
   explicit InterruptAtCheck(int check) : check_(check) {}

@@ -1,4 +1,4 @@
-/// Bricks on things that do not move, against closed forms.
+/// Bricks on fixed obstacles, against closed forms.
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -101,7 +101,7 @@ TEST(Obstacles, PushWithTheWeightOfWhatRestsOnThem) {
   }
 }
 
-// No solver has a body for an obstacle: one that nothing meets leaves every bit as it is.
+// An obstacle is no body of a solver: without contact every bit stays the same.
 TEST(Obstacles, ChangeNothingWhereNothingMeetsThem) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 3;

@@ -1,5 +1,4 @@
-// Planar motion in any plane: a sheet that is turned in space moves as it does on a table. The
-// oracle is the same scene in a horizontal plane.
+// Planar motion in any plane is the same as in a horizontal one, which is the oracle.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -53,7 +52,7 @@ scene::Scene halfOpenSheet() {
   return scene;
 }
 
-/// The same with necks that give.
+/// The same with compliant necks.
 scene::Scene withLigaments() {
   scene::Scene scene = halfOpenSheet();
   scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
@@ -104,7 +103,7 @@ TEST(OwnAxes, LigamentsWorkInAnyPlane) {
   ASSERT_TRUE(tilted.elasticity.has_value());
   EXPECT_NEAR(tilted.elasticity->energyEnd, level.elasticity->energyEnd,
               1e-8 * level.elasticity->energyEnd);  // measured 1.4e-9
-  // Whoever reads the run computes energies from poses in the world's axes.
+  // Energies are computed from poses in the world's axes.
   const test::TemporaryFolder folder;
   trajectory::writeTrajectory(tilted.trajectory, folder / "run.h5");
   const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");

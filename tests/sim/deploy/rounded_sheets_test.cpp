@@ -23,7 +23,7 @@ void roundTo(std::vector<model::Tile>& tiles, int places) {
   }
 }
 
-/// The same sheet as a file with so many decimals holds it.
+/// The same sheet rounded to so many decimals.
 model::Model rounded(model::Model model, int places) {
   roundTo(model.tiles, places);
   if (model.target) roundTo(*model.target, places);
@@ -31,8 +31,8 @@ model::Model rounded(model::Model model, int places) {
   return model;
 }
 
-/// A sheet with a seed: single mechanisms (open irregular quads) in turn with over-constrained
-/// ones.
+/// A sheet with a seed: open irregular quads with one motion alternate with over-constrained
+/// sheets.
 model::Model seededSheet(int seed) {
   switch (seed % 4) {
     case 0:
@@ -127,8 +127,8 @@ TEST(RoundedSheets, LeaveAndReachClosedStates) {
   }
 }
 
-/// The sheet with all its digits, as from an optimiser that left corners open: each corner of each
-/// tile is moved by up to `most` along x and y, at the start and at the target.
+/// An exact sheet with corners that an optimiser left open: each corner of each tile is moved by up
+/// to `most` along x and y, at the start and at the target.
 model::Model leftOpen(model::Model model, double most) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> move(-most, most);
@@ -201,7 +201,7 @@ TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
       << run.reason;
 }
 
-// Coordinates of a tilted plane are rounded out of it, too. A closed start is also singular.
+// Coordinates of a tilted plane are also rounded out of it. A closed start is also singular.
 // Measured: joints open by 0.7 digits at most, the ends are 1.3 digits from the targets.
 TEST(RoundedSheets, StayInAnyPlane) {
   const Matrix3 tilt = Eigen::AngleAxisd(1.1, Vector3(0.3, -0.8, 0.5).normalized()).matrix();
@@ -263,7 +263,7 @@ TEST(RoundedSheets, EndBeforeJointsOpenByMoreThanRoundingExplains) {
   EXPECT_GT((first.poses.front().position - last.poses.front().position).norm(), 1) << "it moves";
 }
 
-/// Exact joints leave the start hardly or not at all, springs do.
+/// Exact joints can hardly leave the start, springs can.
 void expectToArriveByDynamics(const model::Model& model) {
   scene::Scene scene = sceneOf(rounded(model, 3));
   scene.path.kind = scene::PathKind::Dynamic;

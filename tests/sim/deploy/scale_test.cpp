@@ -1,4 +1,4 @@
-// The unit of length changes nothing but lengths.
+// The unit of length changes only lengths.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(Scale, MillimetresTakeTheSamePath) {
   expectSameAtScale(cap(), 1e-3, 1e-6);
 }
 
-/// Bricks may touch: those of the cap do on the way.
+/// Bricks may touch: the tiles of the cap do on the path.
 scene::Scene amongBricks(scene::Scene scene) {
   scene.environment.contacts = scene::ContactFilter::All;
   return scene;

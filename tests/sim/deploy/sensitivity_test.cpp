@@ -1,4 +1,4 @@
-/// What stiffness, damping and thickness do to a deployment, and where expansion ends.
+/// Effects of stiffness, damping and thickness on a deployment, and the end of expansion.
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
@@ -24,7 +24,7 @@ scene::Scene capScene() {
   return scene;
 }
 
-/// When the run has halved its error, seconds.
+/// Time at which the error is halved, seconds.
 double halfTime(const run::DeploymentResult& result) {
   for (const trajectory::Sample& sample : result.trajectory.samples) {
     if (sample.targetError <= 0.5 * result.accuracy.targetErrorStart) return sample.time;
@@ -103,7 +103,7 @@ TEST_P(Expansion, EndsAtTheSheetsLimitWhateverItsStrengthAndInItsPlane) {
       }
     }
   }
-  // A limit of the mechanism: the same from every side.
+  // A limit of the mechanism, the same from every side.
   for (const double end : ends) EXPECT_NEAR(end, ends.front(), 1e-6 * ends.front());
 }
 

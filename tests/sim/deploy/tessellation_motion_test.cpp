@@ -18,7 +18,7 @@ std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
   return vertices;
 }
 
-/// The opening angle: how far two neighbours turned against each other.
+/// The opening angle: the relative rotation of two neighbours.
 double openingAngle(const Poses& poses) {
   const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));

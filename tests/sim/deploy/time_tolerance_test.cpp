@@ -29,7 +29,7 @@ run::DeploymentResult deployed(const scene::Scene& scene, double rate) {
   return deploy::deploy(scene, 1 / rate, nullptr);
 }
 
-/// The farthest that a vertex of one run is from its place in another at a common time.
+/// The largest distance of a vertex between two runs at a common time.
 double largestDifference(const run::DeploymentResult& a, const run::DeploymentResult& b) {
   double largest = 0;
   const std::vector<brick::Brick>& bricks = a.trajectory.bricks;
@@ -87,7 +87,7 @@ TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
 }
 
 TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
-  // A brick falls by 0.2 m on the ground and rests there.
+  // A brick falls by 0.2 m to the ground and rests there.
   scene::Scene scene;
   scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.brick.thickness = 0.1;
@@ -108,7 +108,7 @@ TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
 }
 
 TEST(TimeTolerance, ReportsForHowLongContactsWereTooMany) {
-  // Weights fall on a heap: their corners come down one after the other, and slide.
+  // Weights fall on a heap. Their corners touch one after the other, and slide.
   scene::Scene scene;
   for (int layer = 0; layer < 6; ++layer) {
     const double x = 0.3 * layer, z = 0.15 * layer;

@@ -17,7 +17,7 @@ model::Tile squareAt(double x, double y, double z) {
   return tile;
 }
 
-/// Bricks of unit mass and 0.1 m thickness, where they start, and their pivots.
+/// Bricks of unit mass and 0.1 m thickness, their start and their pivots.
 struct Layout {
   std::vector<brick::Brick> bricks;
   Poses poses;
@@ -241,7 +241,7 @@ TEST(BulletWorld, ReadsBackWhatWasWritten) {
   motion.velocities[1] = {{1, 2, 3}, {0.1, -0.2, 0.3}};
   world.writeMotion(motion);
   EXPECT_TRUE(sameBits(motionOf(world), motion));
-  // And the bodies are there: one step moves them on by their velocities.
+  // The bodies have the poses and velocities: one step moves them by the velocities.
   world.advance(kStep);
   const Vector3 moved = motionOf(world).poses[1].position - motion.poses[1].position;
   EXPECT_LT((moved - kStep * Vector3(1, 2, 3)).norm(), 1e-7);

@@ -1,4 +1,4 @@
-// Cut patterns of others as models: drawings made here, with what their designs are known to be.
+// Cut patterns of other programs as models: drawings with known designs.
 #include "sim/formats/cut_pattern.h"
 
 #include <cmath>
@@ -67,8 +67,8 @@ std::string closedPath(const std::vector<Point>& points, int digits = 9) {
   return "<path d=\"" + d + "Z\"/>\n";
 }
 
-/// Rotating squares, n x n of 20 mm: at each corner the cuts along one direction go through and
-/// those along the other stop short of them by a neck.
+/// Rotating squares, n x n of 20 mm: at each corner the cuts along one direction pass, and those
+/// along the other end one neck before them.
 struct SlitGrid {
   int n = 4;
   std::vector<Line> slits;
@@ -159,7 +159,7 @@ TEST(CutPatterns, SlitGridsInDxfComeBack) {
               HasSubstr("slits: 16 tiles and 24 hinges, necks 0.7 mm, sheet 80 x 80 mm"));
 }
 
-/// A slot with round ends of so many pieces; pieces of 2: pointed, of 1: square.
+/// A slot whose round ends have so many pieces. 2: pointed, 1: square.
 std::vector<Point> stadium(const Line& line, double width, int pieces) {
   const Point along = (line.second - line.first).normalized();
   const Point left(-along.y(), along.x());
@@ -234,7 +234,7 @@ TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
   }
 }
 
-// A slot goes on from the corner at which an edge of the outline ends. Rounding moves both.
+// A slot continues from the corner at which an edge of the outline ends. Rounding moves both.
 TEST(CutPatterns, SlotsGoOnFromEdgesOfTheOutline) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(0, 1);
@@ -258,8 +258,8 @@ TEST(CutPatterns, SlotsGoOnFromEdgesOfTheOutline) {
   }
 }
 
-// Slots a few digits wide on a grid of whole millimetres keep their width and place, long and short
-// ones alike.
+// Slots that are a few digits wide, on a grid of whole millimetres, keep their width and position.
+// This holds for long and short ones.
 TEST(CutPatterns, SlotsOfWholeNumbersKeepTheirWidth) {
   for (const int digits : {0, 1, 3}) {
     for (const int neck : {5, 7}) {
@@ -411,7 +411,7 @@ TEST(CutPatterns, SlotsMayBeHalfATileWide) {
   }
 }
 
-// A relief at a neck of the border, wider than deep, is no slot: the joint stays on the border.
+// A relief at a neck of the border, wider than deep, is not a slot: the joint stays on the border.
 TEST(CutPatterns, NotchesOfTheOutlineAreNoSlots) {
   const double kerf = 0.5;
   for (const double depth : {0.5 * kerf, 0.9 * kerf}) {
@@ -478,7 +478,7 @@ TEST(CutPatterns, SlotsAndOpenLinesAreOneSheet) {
   }
 }
 
-// Each side is a line of its own: the long sides of a slot are no doubled line.
+// Each side is a separate line: the long sides of a slot are not a doubled line.
 TEST(CutPatterns, SidesOfSlotsMayBeSeparateLines) {
   const SlitGrid grid(4, [] { return 1.0; });
   for (const bool areMouthsOpen : {false, true}) {
@@ -722,7 +722,7 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
     const auto& [a, b] = grid.slits[k];
     text += path(a, b, 9);
     const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
-    // Round the end, or with the end on its near side.
+    // Around the end, or with the end on its near side.
     const Point centre = k % 2 ? end : Point(end + 0.5 * (grid.joints[k] - end).normalized());
     circles += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
   }
@@ -759,7 +759,7 @@ std::string openSheet(const model::Model& model, double neck) {
   return "<g transform=\"translate(200 200)\">" + text + "</g>";
 }
 
-// Openings with parallel sides are as wide as tiles. They are no slots.
+// Openings with parallel sides as wide as tiles are not slots.
 TEST(CutPatterns, OpenSheetsComeBack) {
   for (const auto& [family, angle] :
        {std::pair("tessellation", 25.0), {"tessellation", 65.0}, {"fan", 25.0}}) {
@@ -846,7 +846,7 @@ TEST(CutPatterns, CurvedOutlinesAndCuts) {
   EXPECT_EQ(halves.model.joints.size(), 1U);
 }
 
-/// The largest distance of a corner of one tile from the sides of others that it is inside of.
+/// The largest depth of a corner of one tile inside another one.
 double deepestCorner(const model::Model& model) {
   double deepest = 0;
   for (const model::Tile& tile : model.tiles) {

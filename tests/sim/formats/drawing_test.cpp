@@ -481,7 +481,7 @@ TEST(Drawing, MessagesNameAFewOfManyThings) {
             1U);
 }
 
-// Windows programs write UTF-16, old Macintosh programs end lines by a carriage return.
+// Windows programs write UTF-16, old Macintosh programs end lines with a carriage return.
 TEST(DxfDrawing, ReadsTextOfAnySystem) {
   const std::string plain = section("ENTITIES", "0\nLINE\n10\n0\n20\n0\n11\n1\n21\n2\n");
   const std::vector<DrawnPath> paths = drawn("a.dxf", plain).paths;

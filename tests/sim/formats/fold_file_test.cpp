@@ -1,8 +1,8 @@
-// FOLD files as other programs write them, and what is kept when they are written again.
+// FOLD files of other programs, and their content after writing.
 //
-// Oracles: a file written again has the same vertices, edges, letters and angles; the faces found
-// from the edges of a random drawing are those that it was made of; angles of letters are those of
-// the same file with angles; folded sheets are rotations about their edges.
+// Oracles: a written file has the same vertices, edges, letters and angles; faces found from the
+// edges of a random drawing are those that it was made of; letters give the angles of the same file
+// with angles; folded sheets are rotations about their edges.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -294,7 +294,7 @@ TEST(FoldFile, LettersGiveTheSign) {
   EXPECT_TRUE(readText(folded.dump()).model.foldAngles.empty());
 }
 
-/// Moved in space: corners, and what folds them.
+/// Moved in space: corners and folds.
 json turned(json file, const Matrix3& turn) {
   for (json& place : file["vertices_coords"]) {
     const Vector3 point = turn * Vector3(place[0].get<double>(), place[1].get<double>(),
@@ -306,7 +306,7 @@ json turned(json file, const Matrix3& turn) {
 
 TEST(FoldFile, FoldsSheetsInAnyPlane) {
   json file = edited(twoSquares(), {{"edges_foldAngle", {0, 70, 0, 0, 0, 0, 0}}});
-  // With faces that run clockwise, the upper side is below, and so is the valley.
+  // With clockwise faces the upper side is below, and so is the valley.
   json clockwise = file;
   for (json& face : clockwise["faces_vertices"]) std::reverse(face.begin(), face.end());
   const Matrix3 upright = (Matrix3() << 1, 0, 0, 0, 0, 1, 0, -1, 0).finished();
@@ -327,8 +327,8 @@ TEST(FoldFile, FoldsSheetsInAnyPlane) {
         }
       }
       EXPECT_EQ(json::parse(formats::foldText(read.model))["frame_classes"][0], "creasePattern");
-      // Without edges of its own, the file gets the same angle; turned by other angles, corners
-      // differ in the last bit and are not one vertex.
+      // Without its own edges the file gets the same angle. With other angles, corners differ in
+      // the last bit and are not one vertex.
       if (turn == tilted) continue;
       model::Model bare = read.model;
       bare.drawing.reset();
@@ -466,7 +466,7 @@ TEST(FoldFile, FramesWithAnglesNeedAFlatStartAndAnglesThatFit) {
             "or delete it");
 }
 
-// One line per kind, however many frames there are.
+// One line per kind, for any number of frames.
 TEST(FoldFile, ChainsHaveOneWarningOfEachKind) {
   json file =
       json::parse(R"({"vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
@@ -536,7 +536,7 @@ TEST(FoldFile, SidesOfOpenCutsGetVerticesOfTheirOwn) {
   }
 }
 
-// As Origami Simulator writes a series: frame 0 has only what the others inherit.
+// A series of Origami Simulator: frame 0 has only data that the others inherit.
 TEST(FoldFile, SeriesMayHaveNoCoordinatesInFrame0) {
   json file = twoSquares();
   const json places = file["vertices_coords"];
@@ -608,7 +608,7 @@ RandomDrawing randomDrawing(unsigned seed) {
   RandomDrawing drawing;
   const int columns = 2 + static_cast<int>(number(5)), rows = 2 + static_cast<int>(number(5));
   const Vector3 turn(number(3), number(3), number(3));
-  // Some are flat, some are rotated in space. The side from which faces run anticlockwise is known.
+  // Some are flat, some are rotated in space. The side from which faces are anticlockwise is known.
   const bool isTurned = seed % 2 == 1;
   for (int y = 0; y <= rows; ++y) {
     for (int x = 0; x <= columns; ++x) {

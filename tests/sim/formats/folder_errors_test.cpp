@@ -26,7 +26,7 @@ std::string withoutFolder(std::string text, const std::string& folder) {
   return text;
 }
 
-/// The error's text, or the warnings, or "" when the folder reads well.
+/// The error, or the warnings, or "" for a folder without faults.
 std::string messageFor(Files files) {
   const TemporaryFolder folder;
   files.try_emplace("vertices.txt", kSquares);
@@ -59,7 +59,7 @@ TEST(FolderErrors, GoodFolderHasNone) {
   EXPECT_EQ(messageFor({}), "");
 }
 
-// The same two squares and joint, however programs and people write numbers.
+// The same two squares and joint in the notations of several programs and people.
 TEST(FolderErrors, NumbersAreWrittenInManyWays) {
   const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
     for (size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size())) {
@@ -82,7 +82,7 @@ TEST(FolderErrors, NumbersAreWrittenInManyWays) {
   EXPECT_EQ(messageFor({{"constraints.txt", "0.0000000e+00 1.0 1 0.0 3e0\n"}}), "");
 }
 
-/// A text as Windows programs save it, with the bytes of each character in this order.
+/// A text of a Windows program, with the bytes of each character in this order.
 std::string asUtf16(const std::string& text, bool isLittle) {
   std::string wide = isLittle ? "\xFF\xFE" : "\xFE\xFF";
   for (const char letter : text) {
@@ -208,7 +208,7 @@ TEST(FolderErrors, Letters) {
   EXPECT_EQ(forVertices("0,0,0,1,0,0,1,1,0 0 0 0 0 0 0 0 0\n"),
             "@/vertices.txt:1:1: error: '0,0,0,1,0,0,1,1,0' is not a number; write coordinates, "
             "separated by blanks");
-  // Bytes that a terminal would act on are not passed through, and long words are cut.
+  // Bytes that control a terminal are replaced, and long words are cut.
   EXPECT_EQ(forVertices("\x1b[31m-and-some-more-than-fits 0 0 1 0 0 1 1 0\n"),
             "@/vertices.txt:1:1: error: '?[31m-and-some-more-than...' is not a number; write "
             "coordinates, separated by blanks");
@@ -308,7 +308,7 @@ TEST(FolderErrors, JointsThatCountFromOne) {
       forJoints("1 2 2 1\n"),
       "@/constraints.txt: repaired: tiles and vertices count from 1, not from 0; they are read "
       "as counted from 1");
-  // From neither base are all of them there.
+  // Neither base makes all numbers valid.
   EXPECT_EQ(forJoints("1 2 2 1\n0 1 1 0\n"),
             "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2. Correct this column");
 }

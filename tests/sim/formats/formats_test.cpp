@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 const fs::path kPairs = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models/obj-pairs";
 
-/// A model with everything that formats can lose: odd digits, all faces, an order of its own.
+/// A model with all properties that formats can lose: odd digits, all faces, its own order.
 model::Model awkwardModel() {
   generate::TessellationShape shape;
   shape.length = 1.0 / 3;
@@ -166,7 +166,7 @@ TEST(Formats, FoldAnglesMakeTheTarget) {
   const model::Model valley = read(folder.path() / "a.fold");
   EXPECT_EQ(valley.joints.size(), 2U);
   ASSERT_TRUE(valley.target);
-  // A valley folds the other square up, towards the side from which the faces run anticlockwise.
+  // A valley folds the other square up, to the side from which the faces are anticlockwise.
   EXPECT_LT(((*valley.target)[1].vertices[1] - Vector3(1, 0, 1)).norm(), 1e-15);
   folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","M","B","B","B","B","B"],
       "edges_foldAngle": [null,-90,null,null,null,null,null])"));
@@ -382,7 +382,7 @@ TEST(FormatErrors, Orientation) {
   EXPECT_EQ(messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
             "@/a.obj:5: repaired: 2 of 2 tiles run clockwise seen from above; reversed, and "
             "written in the file's own order");
-  // The faces of joints hang on the sense where the sheet folds.
+  // The faces of joints depend on the sense of the folds.
   EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 3 2 1\nf 3 4 2\n"},
                         {"a_deployed.obj", kTriangle + "v 1 0 1\nf 3 2 1\nf 3 4 2\n"}},
                        "a_contracted.obj"),
@@ -424,7 +424,7 @@ std::string messageForFold(const std::string& faces, const std::string& more = "
 }
 
 TEST(FormatErrors, FacesWithHoles) {
-  // A square with a square hole, to which its outline leads and back.
+  // A square with a square hole, connected to the outline by a line in both directions.
   const std::string places = "[[0,0],[4,0],[4,4],[0,4],[1,1],[1,3],[3,3],[3,1]]";
   EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": )" + places +
                                        R"(, "faces_vertices": [[0,1,2,3,0,4,5,6,7,4]]})"}},
@@ -464,7 +464,7 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
   EXPECT_EQ(
       messageForFold(one, R"(,"file_frames": [{}, 3])"),
       "@/a.fold: error: entry 1 of file_frames is 3, not a JSON object. Correct or delete it");
-  // A frame that is not read may be anything.
+  // The content of a frame that is not read does not matter.
   EXPECT_EQ(
       messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
       "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 other is not read; `frame = "

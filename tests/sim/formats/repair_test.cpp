@@ -33,7 +33,7 @@ std::string withoutPlace(std::string text, const std::string& place) {
 struct Reading {
   model::Model model;
   std::vector<std::string> warnings;
-  std::string error;  ///< where reading was refused
+  std::string error;  ///< if the file was refused
 };
 
 /// Files of a folder, read by the name of one of them.
@@ -136,7 +136,7 @@ TEST(Repair, StrictRefusesWithAdvice) {
 }
 
 TEST(Repair, OneDigitApartIsOneCorner) {
-  // A sheet 300 wide with three decimals, one corner of one joint off by the last of them.
+  // A sheet 300 wide with three decimals, one corner of one joint off by one in the last.
   model::Model model = openSheet(75);
   const model::Corner moved = model.joints[3].b;
   Files files = planarFiles(model, 3);
@@ -194,7 +194,7 @@ TEST(Repair, NumbersThatAreExactAreNotRounded) {
   EXPECT_EQ(formats::roundingOf(generate::makeTessellation(shape).tiles), 0);
   shape.length = 0.25;
   EXPECT_EQ(formats::roundingOf(generate::makeTessellation(shape).tiles), 0);
-  // Tiles of one metre written to the decimetre: that is what was meant.
+  // Tiles of one metre written to the decimetre: this was intended.
   shape.length = 1.1;
   EXPECT_EQ(formats::roundingOf(generate::makeTessellation(shape).tiles), 0);
 }
@@ -219,7 +219,7 @@ TEST(Repair, CoincidingCornersOfRoundedMeshesAreJoined) {
 }
 
 TEST(Repair, PairsWithJointsOfFourColumnsArePlanar) {
-  // Only triangles: six numbers are no tile in space.
+  // Only triangles: six numbers are not a tile in space.
   Reading read = readFiles(
       {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "1 2 2 1\n"}}, "");
   ASSERT_EQ(read.model.tiles.size(), 2U);
@@ -237,7 +237,7 @@ TEST(PlanarNames, OpensFromAnyOfItsFiles) {
   files.erase("penrose10_constraints.txt");
   files["penrose10_expansion_constraints.txt"] = joints;
   files["penrose10_expansion_hull.txt"] = "0 0\n3 1\n15 2\n";
-  // A longer name that begins alike has its own files.
+  // A longer name with the same beginning has its own files.
   files["penrose10_big_vertices.txt"] = files["penrose10_vertices.txt"];
   files["penrose10_big_constraints.txt"] = "1 1 2 1\n";
   for (const char* named : {"penrose10_vertices.txt", "penrose10_expansion_constraints.txt",
@@ -303,8 +303,8 @@ TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {
                           "least 3. This hull is ignored"));
 }
 
-/// Shuffles the tiles and reverses some of them, with joints, hull and target. Gives a model whose
-/// file would hold all that in this order.
+/// Shuffles the tiles and reverses some of them, with joints, hull and target. Returns a model
+/// whose file has this order.
 model::Model mixedUp(const model::Model& model, std::mt19937& random) {
   model::Model mixed = model;
   std::vector<int> place(model.tiles.size());
@@ -362,7 +362,7 @@ TEST(FileOrder, PlanarFilesGoRound) {
   std::vector<std::string> warnings;
   const model::Model read =
       formats::readModel(folder.path() / "sheet_hull.txt", std::nullopt, warnings);
-  // What corners the hull names does not depend on the sense of their tiles.
+  // The corners of the hull do not depend on the sense of their tiles.
   for (std::size_t k = 0; k < 3; ++k) {
     const model::Corner& was = (*mixed.hull)[k];
     const model::Corner& is = (*read.hull)[k];

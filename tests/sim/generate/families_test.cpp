@@ -14,7 +14,7 @@ namespace {
 
 using Given = std::map<std::string, double>;
 
-/// A family and what is asked of it.
+/// A family and its parameters.
 struct Request {
   std::string family;
   Given given;
@@ -137,7 +137,7 @@ TEST_P(ConcaveSheet, IsCongruentClosedAndFreeOfOverlap) {
       least = std::min(least, test::convexity(tile, Vector3::UnitZ()));
     }
   }
-  EXPECT_LT(least, -1e-2);  // concave indeed
+  EXPECT_LT(least, -1e-2);  // concave
 }
 
 INSTANTIATE_TEST_SUITE_P(

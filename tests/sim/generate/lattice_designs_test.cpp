@@ -16,7 +16,7 @@ double area(const std::vector<model::Tile>& tiles) {
   return sum;
 }
 
-/// Area of the tiles' outline by going round the given corners.
+/// Area of the tiles' outline through the given corners.
 double outlineArea(const generate::TurningField& field,
                    const std::vector<generate::LatticeCorner>& round, double angle) {
   double sum = 0;
@@ -46,7 +46,7 @@ TEST(LatticeDesigns, ClosedSheetsHaveNoVoids) {
     const double tiles = area(field.tiles(0));
     EXPECT_NEAR(outlineArea(field, generate::closedBoundary(field.lattice()), 0), tiles,
                 1e-12 * tiles);
-    // At pi the tips go round the outline, those that close half slits twice.
+    // At pi the tips follow the outline. Those that close half slits come twice.
     EXPECT_NEAR(area(field.tiles(pi)), tiles, 1e-12 * tiles);
   }
 }

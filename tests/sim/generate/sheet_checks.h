@@ -1,4 +1,4 @@
-/// Checks sheets by independent rules, which the generators do not use.
+/// Checks of sheets by independent rules, which the generators do not use.
 #pragma once
 
 #include <algorithm>
@@ -36,8 +36,8 @@ inline double opening(const model::Model& model, const std::vector<model::Tile>&
   return worst;
 }
 
-/// Least signed distance of any vertex of a tile from the line of any edge that it is not on, over
-/// the tile's longest edge: above 0 for convex tiles that run anticlockwise about `up`.
+/// Least signed distance of any vertex of a tile from the line of any other edge of it, over the
+/// tile's longest edge: > 0 for convex tiles that are anticlockwise about `up`.
 inline double convexity(const model::Tile& tile, const Vector3& up) {
   const std::size_t count = tile.vertices.size();
   double least = std::numeric_limits<double>::infinity(), longest = 0;
@@ -101,8 +101,8 @@ inline bool pierces(const model::Tile& tile, const model::Tile& edges) {
   return false;
 }
 
-/// Whether two convex tiles in one horizontal plane share an area: some line along an edge of
-/// either keeps those apart that do not.
+/// Whether two convex tiles in one horizontal plane overlap. If not, the line of an edge of either
+/// separates them.
 inline bool overlapFlat(const model::Tile& a, const model::Tile& b) {
   for (const model::Tile* tile : {&a, &b}) {
     const model::Tile& other = tile == &a ? b : a;

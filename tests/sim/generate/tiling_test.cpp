@@ -14,8 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// The angles of the tiles round a vertex in order, as whole multiples of a unit, the least of all
-/// ways to read them.
+/// The angles of the tiles around a vertex in order, as whole multiples of a unit. Of all
+/// equivalent orders, the least.
 using Figure = std::vector<int>;
 
 Figure leastReading(Figure figure) {
@@ -30,7 +30,7 @@ Figure leastReading(Figure figure) {
   return least;
 }
 
-/// The figures of all vertices that have tiles all round.
+/// The angles at all vertices with tiles all around.
 std::map<Figure, int> innerFigures(const generate::Tiling& tiling, double unit) {
   struct Wedge {
     double from;
@@ -104,8 +104,8 @@ TEST(Tiling, AmmannBeenkerHasItsSixVertexFigures) {
 }
 
 TEST(Tiling, CoversItsPatchOnce) {
-  // All inner vertices have 360 degrees round them, and the tiles' area is that of a disk as far as
-  // the patch is round.
+  // All inner vertices have 360 degrees around them. The tiles' area is that of the disk in which
+  // the patch is complete.
   for (const generate::Tiling& tiling :
        {generate::penroseTiling(1000), generate::ammannBeenkerTiling(1000),
         generate::stampfliTiling(1000)}) {

@@ -9,7 +9,7 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// With the columns padded as kernels want them, and what may be read behind them.
+/// Columns padded for the kernels, with the values that may be read after them.
 Vector padded(const Matrix& matrix) {
   const auto rows = mechanics::paddedRows(static_cast<int>(matrix.rows()));
   Vector numbers = Vector::Zero(rows * matrix.cols() + mechanics::kRowsTogether);
@@ -17,7 +17,7 @@ Vector padded(const Matrix& matrix) {
   return numbers;
 }
 
-/// The lower triangle of what was padded.
+/// The lower triangle without the padding.
 Matrix lowerPart(const Vector& numbers, int rows, int columns) {
   Matrix matrix =
       Eigen::Map<const Matrix>(numbers.data(), mechanics::paddedRows(rows), columns).topRows(rows);
@@ -25,7 +25,7 @@ Matrix lowerPart(const Vector& numbers, int rows, int columns) {
   return matrix;
 }
 
-/// A front's panel, the update that waits for its parent, and what a dense factorisation says.
+/// A front's panel, the update for its parent, and the results of a dense factorisation.
 struct Front {
   Front(int rowCount, int columnCount) : rows(rowCount), columns(columnCount) {
     std::srand(static_cast<unsigned>(100 * rowCount + columnCount));
@@ -62,7 +62,7 @@ TEST(DenseKernels, EliminateAsADenseFactorisationDoes) {
       found.diagonal() = found.diagonal().cwiseInverse();
       EXPECT_LT((found - front.L.leftCols(columns)).norm(), 1e-12 * front.L.norm())
           << kernels->name << rows;  // measured 2e-14 of 88
-      // What is left is the Schur complement, of the rest's factor.
+      // The remainder is the Schur complement, with the factor of the rest.
       const Matrix rest = front.L.bottomRightCorner(rows - columns, rows - columns);
       const int below = rows - columns;
       Matrix difference = lowerPart(front.update, below, below) - rest * rest.transpose();

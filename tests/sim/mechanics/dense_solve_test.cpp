@@ -49,7 +49,7 @@ DenseStep denseStep(const JoinedBricks& system, const std::vector<brick::Load>& 
   return dense;
 }
 
-/// Keeps x, y and the turn about z: what a planar step sees.
+/// Keeps x, y and the rotation about z: the unknowns of a planar step.
 DenseStep planarPart(const DenseStep& dense) {
   const Eigen::Index n = dense.f.size() / 6;
   Eigen::MatrixXd keep = Eigen::MatrixXd::Zero(3 * n, 6 * n);
@@ -59,7 +59,7 @@ DenseStep planarPart(const DenseStep& dense) {
   return {keep * dense.A * keep.transpose(), dense.J * keep.transpose(), keep * dense.f};
 }
 
-/// The optimality system by a rank-revealing decomposition, which minds no redundant row.
+/// The optimality system by a rank-revealing decomposition, which allows redundant rows.
 Eigen::VectorXd denseVelocities(const DenseStep& dense) {
   const Eigen::Index n = dense.A.rows(), m = dense.J.rows();
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + m, n + m);
@@ -71,7 +71,7 @@ Eigen::VectorXd denseVelocities(const DenseStep& dense) {
   return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(K).solve(right).head(n);
 }
 
-/// The velocities that the step itself found: the solver hands on angular momentum, not velocity.
+/// The velocities in the step itself: the solver returns angular momentum, not velocity.
 Eigen::VectorXd stepVelocities(const JoinedBricks& before, const Motion& after) {
   Eigen::VectorXd u(6 * static_cast<Eigen::Index>(before.bricks.size()));
   for (std::size_t i = 0; i < before.bricks.size(); ++i) {
@@ -85,7 +85,7 @@ Eigen::VectorXd stepVelocities(const JoinedBricks& before, const Motion& after) 
   return u;
 }
 
-/// Bricks at random poses, joined by random pivots: trees, loops, and pairs held twice or thrice.
+/// Bricks at random poses, joined by random pivots: trees, loops, pairs with two or three pivots.
 JoinedBricks randomSystem(unsigned seed, bool planar) {
   Numbers numbers(seed);
   JoinedBricks system(test::openSheet(3, 0.4), 0.2);
@@ -152,7 +152,7 @@ double denseDifference(const JoinedBricks& system, unsigned seed, double h, bool
 TEST(DenseSolve, AgreesInSpaceOnRandomRedundantSystems) {
   double worst = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    // Short steps keep the test to the velocities: nothing to close, nothing to halve.
+    // In short steps only velocities matter: no gap is closed and no step is halved.
     worst = std::max(worst, denseDifference(randomSystem(seed, false), seed, 1e-4, false));
   }
   EXPECT_LT(worst, 1e-10);  // measured 1e-12

@@ -1,5 +1,5 @@
-// Steps to a tolerance in time against motions that are known otherwise: equations of motion in
-// one or two angles, integrated by a method of its own with steps far below what is compared.
+// Steps to a tolerance in time against known motions: equations of motion in one or two angles,
+// integrated by another method with much shorter steps.
 #include "sim/mechanics/extrapolation.h"
 
 #include <array>
@@ -17,7 +17,7 @@ using test::JoinedBricks;
 
 constexpr double kLongest = 1.0 / 60;
 
-/// Loads that do not change by time.
+/// Loads that do not depend on time.
 mechanics::TimedLoads timeless(const mechanics::LoadSource& loads) {
   return [loads](double, const Poses& poses, std::vector<brick::Load>& out) { loads(poses, out); };
 }
@@ -84,10 +84,10 @@ double slopeOf(const std::vector<double>& tolerances, const std::vector<double>&
 
 const std::vector<double> kTolerances = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 
-/// A sheet of squares as what it is, a mechanism of one angle: the centre of tile i is
+/// A sheet of squares as a mechanism of one angle: the centre of tile i is
 ///   x_i = a_i cos(theta / 2) + b_i sin(theta / 2),
-/// it turns by -theta/2 or +theta/2, and (M omega)' - M' omega^2 / 2 = Q for M = sum m x'^2 + I
-/// / 4.
+/// it turns by -theta/2 or +theta/2, and (M omega)' - M' omega^2 / 2 = Q for M = sum m x'^2 + I /
+/// 4.
 class OneAngleSheet {
  public:
   OneAngleSheet(const JoinedBricks& sheet, int side, double startAngle,

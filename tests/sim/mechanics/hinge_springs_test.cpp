@@ -93,8 +93,8 @@ TEST(SpringPendulum, SwingsWithTheFrequencyOfItsClosedForm) {
   }
 }
 
-// The joint removes a part of such velocities at once. This is no error of the step.
-// SprungMotion fails if no step keeps the tolerance.
+// The joint removes a part of such velocities at once. This is not an error of the step.
+// SprungMotion fails if a step exceeds the tolerance.
 TEST(SpringPendulum, StartsFromVelocitiesThatItsJointDoesNotAllow) {
   for (const bool planar : {true, false}) {
     JoinedBricks squares = twoSquares();
@@ -123,7 +123,7 @@ class OneAngle {
     }
   }
 
-  /// By the classical Runge-Kutta method, with steps far below what is compared.
+  /// By the classical Runge-Kutta method, with much shorter steps.
   void advance(double seconds) {
     const int count = static_cast<int>(std::lround(seconds / 1e-4));
     const double h = seconds / count;
@@ -200,7 +200,7 @@ TEST(RotatingSquares, KeepTheirEnergyToTheTolerance) {
   }
 }
 
-/// One run with fixed steps: how a sheet with random speeds fared.
+/// Results of one run with fixed steps from random speeds.
 struct Fate {
   double growth = 0;  ///< of the energy in any step, relative to that of the start
   double gap = 0;     ///< the largest of any joint

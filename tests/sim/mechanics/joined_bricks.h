@@ -15,7 +15,7 @@
 
 namespace kirireel::test {
 
-/// What a joint solver works on, at rest in the model's start.
+/// The input of a joint solver, at rest in the model's start.
 struct JoinedBricks {
   explicit JoinedBricks(const model::Model& start, double thickness = 0.02)
       : model(start),
@@ -63,12 +63,13 @@ inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
   };
 }
 
-/// Loads that push nothing.
+/// No loads.
 inline void noLoads(const Poses&, std::vector<brick::Load>& loads) {
   std::fill(loads.begin(), loads.end(), brick::Load{});
 }
 
-/// Moves a sheet for so many seconds to a tolerance in time, no loads but those of its solver.
+/// Moves a sheet for so many seconds to a tolerance in time, without other loads than those of its
+/// solver.
 inline void advance(JoinedBricks& sheet, mechanics::Extrapolation& extrapolation, double seconds) {
   StepReport report;
   const mechanics::TimedLoads none = [](double, const Poses& poses,

@@ -10,7 +10,7 @@ namespace {
 
 using test::JoinedBricks;
 
-/// Two hinged bricks that tumble in free space, their joint closed in speed too.
+/// Two hinged bricks that tumble freely. Their velocities fit the joint.
 JoinedBricks tumblingPair() {
   generate::TessellationShape shape;
   shape.columns = 2;
@@ -123,7 +123,7 @@ TEST(JointSolver, ClosesTheJointsOfOpeningSheetsAfterEveryStep) {
 }
 
 TEST(JointSolver, ClosesTheJointsOfSheetsThatFlyApart) {
-  // Speeds that no joint allows, on a sheet turned out of every axis.
+  // Speeds that violate all joints, on a sheet at an angle to all axes.
   JoinedBricks sheet(test::openSheet(4, 0.7), 0.1);
   test::Numbers numbers(7);
   for (Velocity& velocity : sheet.motion.velocities) {
@@ -190,7 +190,7 @@ TEST(JointSolver, JointsThatGiveStretchByTheirLoad) {
   ASSERT_EQ(pair.pivots.size(), 2U);
   constexpr double kForce = 3;
   constexpr double kStiffness = 1e4;
-  // Both bricks are pulled at their joint, half way between its pivots.
+  // The bricks are pulled at the point half way between the pivots of their joint.
   const auto pull = [&](const Poses& poses, std::vector<brick::Load>& loads) {
     const brick::Pivot& low = pair.pivots[0];
     const brick::Pivot& high = pair.pivots[1];

@@ -88,7 +88,7 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
   }
 }
 
-/// By how much the energy of a sheet without dampers or loads strays in 2 s, as a part of it.
+/// The largest relative change of the energy of a sheet without dampers or loads in 2 s.
 double strayOf(double length, double stiffness, double tolerance) {
   JoinedBricks sheet = ligamentSheet(4, length, stiffness, 2, 0);
   const double energy = test::energyOf(sheet);
@@ -119,8 +119,8 @@ TEST(LigamentSteps, KeepTheirEnergyToTheTolerance) {
   }
 }
 
-// Swings of 1e-5 tile leave few digits of the energy. A tighter tolerance is not worse: what
-// rounding adds is reported.
+// Oscillations of 1e-5 tile leave few digits of the energy. A tighter tolerance is not worse: the
+// error by rounding is reported.
 TEST(LigamentSteps, KeepTheEnergyOfSmallSwingsDownToTheRounding) {
   for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
     JoinedBricks sheet = ligamentSheet(4, 0.1, 2e3, 2, 0);
@@ -150,7 +150,7 @@ TEST(LigamentSteps, KeepTheEnergyOfSmallSwingsDownToTheRounding) {
   }
 }
 
-// A sheet that is pushed and slowed: what its energy changes by is what that gave and took.
+// A sheet with loads and dampers: its energy changes by their work.
 TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
   for (const double tolerance : {1e-4, 1e-6}) {
     JoinedBricks sheet = ligamentSheet(4, 0.1, 2e4, 2, 0.05);
@@ -183,7 +183,7 @@ TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
   }
 }
 
-/// One run with fixed steps: how a sheet with random speeds fared.
+/// Results of one run with fixed steps from random speeds.
 struct LigamentFate {
   double growth = 0;  ///< of the energy in any step, relative to that of the start
   double gap = 0;     ///< the largest of joints that are exact
@@ -219,8 +219,8 @@ TEST(LigamentSteps, NeverDiverge) {
             const LigamentFate fate = fateOf(length, exact, stiffness, step, damping);
             const std::string name = fmt::format("length {} exact {} k {:g} h {:.4f} c {:g}",
                                                  length, exact, stiffness, step, damping);
-            // Measured: 7.7e-5, closing exact joints next to ligaments. Tiles on softer ones turn
-            // right round, where the angle of a hinge jumps by a whole turn: 8.4e-3.
+            // Measured: 7.7e-5, from closing exact joints next to ligaments. Tiles on softer ones
+            // make full turns, where the angle of a hinge jumps: 8.4e-3.
             EXPECT_LT(fate.growth, stiffness < 0.5 ? 0.05 : 5e-3) << name;
             EXPECT_LT(fate.gap, 1e-10) << name;  // measured 1.3e-12
             EXPECT_EQ(fate.unconverged, 0) << name;

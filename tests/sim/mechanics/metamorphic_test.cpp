@@ -11,7 +11,7 @@ namespace {
 
 using test::JoinedBricks;
 
-/// A sheet's motion and all that it depends on.
+/// A sheet and all inputs of its motion.
 struct Story {
   model::Model model = test::openSheet(4, 0.3);
   double thickness = 0.05;
@@ -55,7 +55,8 @@ double largestDistance(const std::vector<model::Tile>& a, const std::vector<mode
   return largest;
 }
 
-/// How far the motion of `changed` is from that of `story` after its vertices went through `back`.
+/// The distance of the motion of `changed` from that of `story`, after `back` is applied to its
+/// vertices.
 template <typename Back>
 double difference(const Story& story, const Story& changed, bool planar, const Back& back) {
   std::vector<model::Tile> tiles = tilesAfter(changed, planar);
@@ -63,7 +64,7 @@ double difference(const Story& story, const Story& changed, bool planar, const B
     for (Vector3& vertex : tile.vertices) vertex = back(vertex);
   }
   const std::vector<model::Tile> expected = tilesAfter(story, planar);
-  EXPECT_GT(largestDistance(expected, story.model.tiles), 0.1);  // it did move
+  EXPECT_GT(largestDistance(expected, story.model.tiles), 0.1);  // not zero
   return largestDistance(tiles, expected);
 }
 
@@ -147,7 +148,7 @@ TEST(SameMotion, WhenRenumbered) {
 
 TEST(SameMotion, InThePlaneAndInSpace) {
   const Story story = movingSheet(true);
-  // The tilts that only the solve in space sees change where a spring's indefinite stiffness is
+  // Only the solve in space has tilts. They change where an indefinite stiffness of a spring is
   // cut: measured 1.5e-5.
   EXPECT_LT(largestDistance(tilesAfter(story, true), tilesAfter(story, false)), 1e-4);
 }

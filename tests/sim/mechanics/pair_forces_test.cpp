@@ -1,5 +1,5 @@
-// Forces between pairs of bricks that are no springs at hinges and no ligaments: closed forms in
-// the plane and in space, springs at hinges by another method, and derivatives against differences.
+// Pair forces other than hinge springs and ligaments: closed forms in the plane and in space, hinge
+// springs by another method, and derivatives against differences.
 #include "tests/support/pair_forces.h"
 
 #include <cmath>
@@ -54,7 +54,7 @@ class CentreSpring : public brick::PairForce {
   double stiffness_, length_;
 };
 
-/// A force known only by its derivatives.
+/// A force that has only derivatives.
 class FromDerivatives : public brick::PairForce {
  public:
   explicit FromDerivatives(std::vector<brick::HingeSpring> springs)
@@ -186,7 +186,7 @@ TEST(PairForces, HaveTheGradientOfTheirEnergy) {
   }
 }
 
-// What a kind without addForces() of its own pushes with is what springs at rest push with.
+// The default addForces() adds the loads of springs at rest.
 TEST(PairForces, PushAsTheirGradientsSay) {
   JoinedBricks sheet(test::openSheet(2, 0.6));
   std::vector<brick::HingeSpring> springs;

@@ -67,7 +67,7 @@ TEST(Reactions, OfAHangingChainAreItsWeight) {
       forces[chain.pivots[p].joint] += found.pivotForces[p];
     }
     for (int j = 0; j < 11; ++j) {
-      // On the upper tile pull all those below.
+      // The upper tile carries all tiles below.
       EXPECT_LT((forces[j] - (11 - j) * weight).norm(), 1e-9) << j;
     }
     EXPECT_LT(found.imbalance, 1e-9);
@@ -159,9 +159,9 @@ TEST(Reactions, AlongALinkKeepItsLength) {
     const auto solver = reactionSolver(pair, planar);
     const mechanics::Reactions found =
         solver->solve(pair.motion, evenLoads(pair, Vector3::Zero()), {false, false}, kExact);
-    // Both ends are half an edge beyond the squares' centres, which would not by themselves keep
-    // the length 2 of the link: w^2 / 2 each, and (2 w)^2 / 2 across; against it works what a force
-    // along the link gives both ends, by Newton and Euler.
+    // Both ends are half an edge beyond the squares' centres. Without the link its length 2 would
+    // change by w^2 / 2 for each end along it, and by (2 w)^2 / 2 across. A force along the link
+    // balances this, by Newton and Euler.
     Vector3 leverage = pair.pivots[0].pointA.cross(Vector3::UnitX());
     if (planar) leverage.head<2>().setZero();
     const double give =
@@ -227,8 +227,8 @@ Eigen::VectorXd leastForces(const Eigen::MatrixXd& J, const Eigen::MatrixXd& M,
   return svd.solve(r);
 }
 
-/// A sheet of squares in the plane and in space, and one whose tiles are folded against each other
-/// nowhere: with closed loops, so redundant joints in space.
+/// Sheets of squares in the plane and in space, and one whose tiles are coplanar in no pair. They
+/// have closed loops, so joints are redundant in space.
 class RedundantSheet : public testing::TestWithParam<bool> {};
 
 TEST_P(RedundantSheet, HasTheLeastForces) {
@@ -250,8 +250,7 @@ TEST_P(RedundantSheet, HasTheLeastForces) {
   EXPECT_LT(found.imbalance, 1e-7 * expected.lpNorm<Eigen::Infinity>());
 }
 
-/// The joints in whose rows some state of self-stress has a resultant, by the projector on the left
-/// null space.
+/// The joints in which a state of self-stress has a force, by the projector on the left null space.
 std::vector<bool> indeterminateBySvd(const JoinedBricks& sheet, const Eigen::MatrixXd& J,
                                      bool planar) {
   Eigen::BDCSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU);
@@ -327,7 +326,8 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
         load = {};
         load.damping.diagonal().setConstant(20);
       }
-      // All corners are held softly, or the sheet would stretch out where forces have no bound.
+      // Soft springs hold all corners. Otherwise the sheet would stretch out to a state with
+      // unbounded forces.
       for (std::size_t i = 0; i < poses.size(); ++i) {
         const Pose& start = sheet.motion.poses[i];
         for (const Vector3& corner : sheet.bricks[i].bottom) {
@@ -351,7 +351,7 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       largest = std::max(largest, springs.pivotForces[p].norm());
       difference = std::max(difference, (springs.pivotForces[p] - exact.pivotForces[p]).norm());
     }
-    // The rest falls with the stiffness.
+    // The difference falls with the stiffness.
     if (before > 0) {
       EXPECT_LT(difference / largest, 0.2 * before);
     }

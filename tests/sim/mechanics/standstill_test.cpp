@@ -10,7 +10,8 @@ using test::kStep;
 
 class StandstillTest : public testing::Test {
  protected:
-  /// One step in which bricks do not move, after a motion or not. Returns whether it is tried.
+  /// One step in which bricks do not move, after a motion or not. Returns whether a standstill is
+  /// tried.
   bool rest(bool movedBefore = false) {
     if (!standstill_.beginStep(motion_, loads_, kStep)) return false;
     if (movedBefore) standstill_.recordMotion();
@@ -19,7 +20,7 @@ class StandstillTest : public testing::Test {
     return true;
   }
 
-  /// How many of `steps` steps are tried.
+  /// The number of `steps` that try a standstill.
   int tried(int steps) {
     int count = 0;
     for (int step = 0; step < steps; ++step) count += rest() ? 1 : 0;

@@ -103,7 +103,8 @@ TEST(Alignment, BringsTheStartOntoAMovedTarget) {
 }
 
 TEST(Alignment, FlatSheetIsNeverFlippedOver) {
-  // The best motion in space onto a mirrored sheet turns it over; on the table it may not.
+  // The best motion in space onto a mirrored sheet turns it over, which is not allowed in the
+  // plane.
   generate::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 2;

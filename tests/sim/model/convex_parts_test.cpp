@@ -1,4 +1,4 @@
-// Concave polygons as convex parts: what is cut up adds up again.
+// Concave polygons as convex parts: areas and corners of the parts add up.
 #include "sim/model/convex_parts.h"
 
 #include <set>
@@ -21,7 +21,7 @@ model::Tile partOf(const model::Tile& tile, const model::PolygonPart& part) {
   return piece;
 }
 
-/// The sines of the turns at a tile's corners; negative where it is reflex.
+/// The sines of the turns at a tile's corners; negative at reflex corners.
 std::vector<double> cornerSines(const model::Tile& tile) {
   std::vector<double> sines;
   const std::size_t count = tile.vertices.size();
@@ -55,7 +55,8 @@ void expectSoundParts(const model::Tile& tile) {
   }
   EXPECT_NEAR(area, model::tileArea(tile), 1e-13 * model::tileArea(tile));  // measured 1e-15
   EXPECT_EQ(corners.size(), tile.vertices.size());
-  // Hertel and Mehlhorn: no diagonal can go, so each ends at a reflex corner, at most two at each.
+  // Hertel and Mehlhorn: each remaining diagonal is needed at a reflex corner, which needs at most
+  // two.
   EXPECT_LE(static_cast<int>(parts.size()), 2 * reflexCorners(tile) + 1);
   double ofTriangles = 0;
   const auto triangles = model::trianglesOf(tile.vertices, Vector3::UnitZ());
@@ -113,7 +114,7 @@ TEST(ConvexParts, ConvexTilesStayWhole) {
   const std::vector<Vector3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   EXPECT_EQ(model::convexParts(square, Vector3::UnitZ()),
             (std::vector<model::PolygonPart>{{0, 1, 2, 3}}));
-  // A dent of one degree is what optimised designs carry; one of four is a bay.
+  // Optimised designs have dents of one degree. Four degrees are a bay.
   const auto dented = [](double degrees) {
     const double depth = std::tan(0.5 * degrees * kDegree);
     return std::vector<Vector3>{{0, 0, 0}, {1, depth, 0}, {2, 0, 0}, {1, 2, 0}};
@@ -149,7 +150,7 @@ TEST(ConvexParts, CrossingSidesAreFound) {
       std::vector<Vector3>{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 0, 0}, {0, 2, 0}}, up, 1e-9));
 }
 
-/// Opposite arms of a plus have sides on one line. In any direction they are apart.
+/// Opposite arms of a plus have sides on one line. They are apart in any direction.
 TEST(ConvexParts, SidesOnOneLineDoNotCross) {
   const std::vector<Vector3> plus = {{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {3, 1, 0},
                                      {3, 2, 0}, {2, 2, 0}, {2, 3, 0}, {1, 3, 0},

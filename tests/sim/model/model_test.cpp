@@ -24,7 +24,7 @@ TEST(Tile, NormalTurnsWithTheOrderAndTheTile) {
   EXPECT_EQ(model::tileNormal(tile), -Vector3::UnitZ());
   const Quaternion turn = rotationFromVector({1.0, -0.4, 2.0});
   for (Vector3& vertex : tile.vertices) vertex = turn * vertex + Vector3(1e3, -1e3, 1e3);
-  // measured 4e-14: the digits that coordinates of 1e3 have left
+  // measured 4e-14: rounding of coordinates of 1e3
   EXPECT_LT((model::tileNormal(tile) + turn * Vector3::UnitZ()).norm(), 1e-12);
 }
 

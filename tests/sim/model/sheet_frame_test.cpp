@@ -41,7 +41,7 @@ model::RigidMotion randomMotion(std::mt19937& random) {
   return {turn.toRotationMatrix(), {normal(random), normal(random), normal(random)}};
 }
 
-/// A tube is seen along its axis in any placement. A cube has no such axis and is seen along z.
+/// The normal of a tube is its axis in any position. A cube has no such axis; its normal is z.
 TEST(SheetFrames, OfATubeHasItsAxis) {
   model::Model tube;
   const auto corner = [](int k, double z) {
@@ -78,7 +78,7 @@ TEST(SheetFrames, OfHorizontalSheetsKeepAllBits) {
       EXPECT_EQ(frame->toWorld(seen[i].vertices[k]), model.tiles[i].vertices[k]);
     }
   }
-  // Even if all its tiles run clockwise, its upper side is that of +z.
+  // The upper side is that of +z even if all tiles are clockwise.
   for (model::Tile& tile : model.tiles) std::ranges::reverse(tile.vertices);
   EXPECT_EQ(model::sheetFrame(model.tiles, 1e-9)->normal, Vector3::UnitZ());
 }
@@ -94,7 +94,7 @@ TEST(SheetFrames, TurnWithTheSheet) {
     EXPECT_NEAR((frame->normal - motion.rotation.col(2)).norm(), 0, 1e-14);
     EXPECT_NEAR((frame->x.cross(frame->y) - frame->normal).norm(), 0, 1e-14);
     EXPECT_NEAR((frame->toWorld(frame->toFrame({1, 2, 3})) - Vector3(1, 2, 3)).norm(), 0, 1e-14);
-    // One tile of six that runs clockwise does not decide.
+    // One clockwise tile of six does not decide.
     std::ranges::reverse(tiles.front().vertices);
     EXPECT_NEAR((model::sheetFrame(tiles, 1e-9)->normal - motion.rotation.col(2)).norm(), 0, 1e-14);
   }

@@ -103,7 +103,7 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
   constexpr double kMoment = 1e-6;
   Poses moved = state;
   for (std::size_t i = 0; i < moved.size(); ++i) {
-    velocities[i].linear -= drift;  // the centre of a state stays where it is in its mean
+    velocities[i].linear -= drift;  // the mean does not move the centre
     moved[i].position += kMoment * velocities[i].linear;
     moved[i].rotation = rotationFromVector(kMoment * velocities[i].angular) * moved[i].rotation;
   }
@@ -117,7 +117,7 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
   }
 }
 
-/// A sheet whose vertices, at the start and the target, are off by up to this part of a metre.
+/// A sheet whose vertices are moved by up to `part` of a metre, at the start and the target.
 model::Model shaken(double part) {
   model::Model model = sheet(3, 3);
   std::mt19937 random(7);
@@ -130,7 +130,7 @@ model::Model shaken(double part) {
   return model;
 }
 
-/// The farthest that a vertex is from the nearest one of its image under any isometry, metres.
+/// The largest distance of a vertex from the nearest one of its image under any isometry, metres.
 double farthestImage(const std::vector<model::Tile>& tiles,
                      const std::vector<model::Symmetry>& group) {
   Vector3 centre = Vector3::Zero();

@@ -1,4 +1,4 @@
-// Deployments as geometry: paths of the mechanism.
+// Kinematic paths of deployments.
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ TEST(Continuation, IsPlayedAtAnEvenPaceForItsTime) {
     moves.push_back(run::pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
     EXPECT_LE(samples[k].jointGap, 1e-9 * model::tileSize(scene.model)) << k;
   }
-  // The first sample shows the jump from the closed start.
+  // The first sample contains the jump from the closed start.
   const auto [least, most] = std::minmax_element(moves.begin() + 1, moves.end());
   EXPECT_LE(*most / *least, 1.1);  // measured: 1.02
 }
@@ -118,7 +118,7 @@ double asymmetryOf(const scene::Scene& scene, const run::DeploymentResult& run) 
   return farthest;
 }
 
-/// Their starts are singular, and rounding would choose where they go.
+/// Their starts are singular, so rounding would choose their direction.
 TEST(Continuation, KeepsTheSymmetriesOfItsModel) {
   for (const scene::Scene& scene :
        {squares(), cylinder(),
@@ -129,7 +129,7 @@ TEST(Continuation, KeepsTheSymmetriesOfItsModel) {
         sceneOf(generate::generateModel(generate::familyNamed("cube-to-sphere"),
                                         {{"half-size", 1}}))}) {
     const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
-    // Measured: 5e-10 of a tile, below which a state is left as it is.
+    // Measured: 5e-10 of a tile. A state within this distance is not changed.
     EXPECT_LE(asymmetryOf(scene, run), 1e-9 * model::tileSize(scene.model)) << scene.model.name;
   }
 }
@@ -158,8 +158,8 @@ TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
   }
 }
 
-/// The farthest that two runs of one scene in two units are apart at any sample, in metres of the
-/// first or radians; `factor` is the second's unit over the first's.
+/// The largest difference between two runs of one scene in two units at any sample, in metres of
+/// the first or radians; `factor` is the second's unit over the first's.
 double differenceOf(const run::DeploymentResult& run, const run::DeploymentResult& other,
                     double factor) {
   double farthest = 0;
@@ -185,7 +185,7 @@ scene::Scene inUnit(scene::Scene scene, double factor) {
   return scene;
 }
 
-/// Flush tiles that meet on the way to their sphere.
+/// Flush tiles that touch on the path to their sphere.
 scene::Scene touchingCap() {
   scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
   scene.environment.contacts = scene::ContactFilter::All;
@@ -277,14 +277,14 @@ TEST(Continuation, RoundingIsNoMotion) {
   EXPECT_EQ(run.trajectory.samples.size(), 1U);
 }
 
-/// Its tiles driven apart, and damped, until they rest or for 200 s.
+/// Drives its tiles apart, with damping, until they rest or for 200 s.
 run::DeploymentResult driven(scene::Scene scene) {
   scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 200;
   return deploy::deploy(scene, 1, nullptr);
 }
 
-/// The second method is the integrator: tiles that are driven apart and damped come to rest there.
+/// The second method is the integrator: it drives tiles apart with damping, to the same end.
 TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
   for (const char* family : {"stampfli-chain", "stampfli-removal", "stampfli-expansion",
                              "penrose-chain", "penrose-removal", "penrose-expansion",
@@ -300,8 +300,8 @@ TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
   }
 }
 
-/// A rotated sheet ends at the rotated place, in all digits: without this, the end depends on the
-/// roots of rounding errors, and its place on the loops of the path.
+/// A rotated sheet ends at the rotated position, in all digits. Otherwise the end would depend on
+/// the roots of rounding errors, and its position on the loops of the path.
 TEST(Continuation, FullExtensionOfARotatedSheetIsRotated) {
   const scene::Scene scene = extendingScene("penrose-chain");
   scene::Scene rotated = scene;
@@ -321,7 +321,7 @@ TEST(Continuation, FullExtensionOfARotatedSheetIsRotated) {
   }
 }
 
-/// The tiles of this chain still glide after 200 s, with the extent that they keep.
+/// The tiles of this chain still move slowly after 200 s, at constant extent.
 TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
   const scene::Scene scene = extendingScene("ammann-beenker-chain");
   const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
@@ -331,8 +331,8 @@ TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
   EXPECT_NEAR(extentOf(run.trajectory.samples.back()), extent, 1e-6 * extent);
 }
 
-/// From the symmetric start of this sheet, a saddle of its extent, driven tiles do not move. From
-/// a state on the way they come to rest where the path ends.
+/// The symmetric start of this sheet is a saddle of its extent, where driven tiles do not move.
+/// From a state on the path they come to rest at its end.
 TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
   const scene::Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 37}});
   const std::vector<trajectory::Sample> samples =
@@ -397,7 +397,7 @@ scene::Scene openTargetSquares(double distance) {
 }
 
 TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
-  // Half of the distance is the least for two halves that keep together.
+  // Half of the distance is the least error of two halves that stay joined.
   for (const double distance : {0.5, 1.0}) {
     const run::DeploymentResult run =
         deploy::deploy(openTargetSquares(distance), 1.0 / 60, nullptr);
@@ -438,7 +438,7 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndReportsByHowMuch) {
   EXPECT_THAT(run.pathReason, testing::HasSubstr("no path with exact joints was found"));
 }
 
-/// Through space ball joints of the same design stay closed, and its bricks apart.
+/// In space the ball joints of the same design stay closed, and its bricks apart.
 TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
   scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
   for (model::Joint& joint : scene.model.joints) joint.face = model::JointFace::Bottom;
@@ -452,7 +452,7 @@ TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 1e-5
 }
 
-/// Its flush start lies apart from all other states among touching bricks: no exact path leaves it.
+/// With contacts its flush start is separate from all other states: no exact path leaves it.
 TEST(Continuation, OpensJointsToLeaveAFlushStart) {
   const scene::Scene scene =
       sceneOf(generate::generateModel(generate::familyNamed("cap"), {{"half-size", 4}}));
@@ -496,7 +496,7 @@ TEST(Continuation, FollowsAGuidedRunWhereBricksJam) {
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);
 }
 
-/// Bricks overlap at this target, which no path can change. The path is smoothed nevertheless.
+/// Bricks overlap at this target, on any path. The path is still smoothed.
 TEST(Continuation, SmoothsAPathToABlockedTarget) {
   const scene::Scene scene = sceneOf(generate::generateModel(
       generate::familyNamed("sphere-to-saddle"), {{"half-columns", 3}, {"half-rows", 3}}));
@@ -542,7 +542,8 @@ TEST(Continuation, ReportsThatBricksHaveNoRoomAtFullExtension) {
                                 testing::Not(testing::HasSubstr("`thickness")))));
 }
 
-/// Two equal sheets and a loose tile: each sheet ends as without the others, and the tile stays.
+/// Two equal sheets and a loose tile: each sheet ends as without the others, and the tile does not
+/// move.
 TEST(Continuation, ExtendsEachPieceIndependently) {
   model::Model one = generate::makeTessellation({});
   one.target.reset();
@@ -581,8 +582,8 @@ TEST(Continuation, ExtendsEachPieceIndependently) {
             1e-9 * tile);
 }
 
-/// Shared points moved by up to e in all digits, as an optimiser leaves them: the sheet extends as
-/// the exact one does, and reports the misfit of its tiles.
+/// Shared points moved by up to e in all digits, as by an optimiser: the sheet extends like the
+/// exact one, and reports the misfit of its tiles.
 TEST(Continuation, ExtendsTilesThatFitToATolerance) {
   model::Model exact = generate::generateModel(generate::familyNamed("quads"), {});
   exact.target.reset();
@@ -616,8 +617,8 @@ TEST(Continuation, ExtendsTilesThatFitToATolerance) {
   }
 }
 
-/// Corners of each tile moved by a thousandth: no state closes the joints. Such a run stays at its
-/// start and is no success. Measured: joints are open by 2.1e-3 m there.
+/// Corners of each tile moved by a thousandth: no state closes the joints. The run stays at its
+/// start and does not succeed. Measured: joints are open by 2.1e-3 m there.
 TEST(Continuation, ReportsTilesThatDoNotFit) {
   model::Model model = generate::generateModel(generate::familyNamed("quads"), {});
   model.target.reset();
@@ -650,8 +651,8 @@ void expectPromisesKept(const scene::Scene& scene, const run::DeploymentResult& 
   EXPECT_LE(run.accuracy.targetErrorEnd, std::max(1.05 * run.assembledError, 1e-6 * tile)) << name;
 }
 
-/// One member of each family but those whose bricks must be guided round each other, which cost
-/// more.
+/// One member of each family, except families whose bricks must be guided around each other, which
+/// take longer.
 TEST(Continuation, DrawnMembersOfTheFamiliesArriveByDefault) {
   DrawnModels drawn(7, 40);
   for (std::size_t i = 0; i < generate::families().size(); ++i) {

@@ -1,5 +1,5 @@
-// Paths to flat-folded targets: mountains and valleys are on their sides on the way. The poses of
-// the target do not show them.
+// Paths to flat-folded targets: on the path, mountains and valleys fold to their sides, which the
+// poses of the target do not define.
 
 #include <random>
 #include <string>

@@ -32,7 +32,7 @@ scene::Scene closedToClosed() {
   shape.columns = shape.rows = 3;
   shape.targetAngle = 3.14159265358979323846;
   scene.model = generate::makeTessellation(shape);
-  scene.springs.springStiffness = 400;  // place counts more than turn
+  scene.springs.springStiffness = 400;  // distances outweigh rotations
   scene.springs.torqueStiffness = 10;
   return scene;
 }
@@ -57,7 +57,7 @@ TEST(AssembledError, IsZeroWhereTheTargetCloses) {
 
 TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
   // At the start both are off by half of the distance. The springs turn them a little about the
-  // joint, which is at a corner: less in squares, but more at one vertex.
+  // joint, which is at a corner. This reduces the mean square, but increases the largest distance.
   scene::Scene scene = pulledApart(0.1);
   const run::AssembledState nearest = run::assembleAtTarget(scene);
   EXPECT_NEAR(nearest.error, 0.05, 1e-12);  // measured 4e-17
@@ -68,8 +68,8 @@ TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
 }
 
 TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
-  // Half of the sheet's tiles are 1 m off at the target: the state of rest shares that in squares,
-  // and leaves the tiles at the tear farther off than the rest.
+  // Half of the sheet's tiles are 1 m off at the target. The state of rest distributes this in the
+  // mean square. The tiles next to the gap are farther off than the others.
   scene::Scene scene;
   scene.model = generate::makeTessellation({});
   model::alignStartToTarget(scene.model);
@@ -78,7 +78,7 @@ TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
   }
   const run::AssembledState nearest = run::assembleAtTarget(scene);
   EXPECT_LE(nearest.error, nearest.restError);
-  // The two halves' vertices at the tear are 1 m apart: one of them stays half of that away.
+  // The two halves' vertices at the gap are 1 m apart: one of them stays half of that away.
   EXPECT_GE(nearest.error, 0.5 - 1e-9);
   EXPECT_LT(nearest.error, 0.95 * nearest.restError);  // measured 0.546 of 0.597
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
@@ -111,14 +111,14 @@ path::TargetFindings roomAt(double error, bool isBlocked) {
   return atTarget;
 }
 
-/// A path, with more budget than any search here needs.
+/// A path, with enough budget for any search here.
 path::PathChoice choose(const scene::Scene& scene, const path::TargetFindings& atTarget,
                         const run::TrialObserver& observer, std::vector<run::TrialEnd>& trials) {
   run::SearchBudget budget(1e15);
   return path::choosePath(scene, atTarget, budget, observer, trials);
 }
 
-/// Notes what is tried, each path once.
+/// Records the tried paths, each once.
 run::TrialObserver noteOnce(std::vector<std::string>& tried) {
   return [&tried](const run::SearchNews& news) {
     const bool isPath = news.what != "the state nearest to the target";
@@ -147,7 +147,7 @@ TEST(Path, ALockedModelIsLedWithExactJoints) {
 }
 
 TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
-  // In which local minimum a straight pull ends depends on the steps.
+  // The steps decide in which local minimum a straight pull ends.
   scene::Scene scene;
   scene.model = generate::makeSphereToSaddle({.columns = 6, .rows = 6});
   scene.brick.thickness = 0.001;
@@ -207,7 +207,7 @@ TEST(Path, AKinematicPathHasTheJointRatioOfItsScene) {
   }
 }
 
-/// A flat sheet that deploys into part of a sphere, whose bricks meet on the way.
+/// A flat sheet that deploys into part of a sphere, whose bricks touch on the path.
 scene::Scene flatToCap() {
   scene::Scene scene;
   scene.model = generate::makeSphericalCap({.size = 6});
@@ -246,7 +246,7 @@ TEST(Path, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
   EXPECT_GT(result.accuracy.penetrationGrownMax, 1e-3 * model::tileSize(scene.model));
 }
 
-/// How a path with contacts ended.
+/// The end of a path with contacts.
 run::TrialEnd endAmongBricks(double error, bool isCollisionFree) {
   run::TrialEnd end;
   end.isCollisionFree = isCollisionFree;
@@ -256,8 +256,8 @@ run::TrialEnd endAmongBricks(double error, bool isCollisionFree) {
 
 TEST(Path, TakesTheNearestPathIfBricksBlock) {
   const scene::Scene scene = flatToCap();
-  // As if the third trial had arrived, with compliant joints, and the next six had not, the fourth
-  // of them because of overlaps.
+  // As if the third trial had arrived with compliant joints, and the next six had not. The fourth
+  // of these fails by overlaps.
   std::vector<run::TrialEnd> trials(3);
   trials.back().arrives = true;
   for (const auto& [error, isCollisionFree] : {std::pair(0.5, true),
@@ -311,7 +311,7 @@ TEST(Path, KeepsExactJointsIfBricksBlockAnyway) {
   EXPECT_EQ(choice.reason, "guided for 3.75 s, joint ratio 100000 arrives with overlaps");
 }
 
-/// A cube of bricks that lie flush, from which exact joints hardly let them out.
+/// A cube of flush bricks, which exact joints can hardly leave.
 scene::Scene cubeToSphere() {
   scene::Scene scene;
   scene.model = generate::makeCubeToSphere({.size = 4});
@@ -350,7 +350,7 @@ scene::Scene joinedThroughEachOther() {
 
 TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
   scene::Scene scene = joinedThroughEachOther();
-  // Straight on they slip past each other in the end.
+  // On the straight path they finally pass each other.
   for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.y() += 0.05;
   scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.frequency = 1.6;
@@ -482,7 +482,7 @@ TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
   ASSERT_EQ(again.size(), trials.size());
   for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_EQ(again[i].work, trials[i].work);
   EXPECT_EQ(same.spent(), budget.spent());
-  // The last step may go beyond what a trial may cost.
+  // The last step may exceed the budget of a trial.
   EXPECT_LT(budget.spent(), 16e6);
 }
 

@@ -1,5 +1,5 @@
-// A path improved as a whole: oracles are a dense solution, distances in closed form, differences
-// of gaps, and the figures of the paths.
+// Smoothing of a whole path. Oracles: a dense solution, distances in closed form, differences of
+// gaps, and the figures of the paths.
 #include "sim/path/smoothing.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 constexpr int kStates = 5;
 constexpr int kSize = 3;
 
-/// A banded positive definite matrix, and the same without its band.
+/// A banded positive definite matrix, and the same as a dense matrix.
 struct BandedExample {
   path::BandedMatrix banded;
   MatrixXd dense = MatrixXd::Zero(kStates * kSize, kStates* kSize);
@@ -70,7 +70,7 @@ TEST(BandedProgram, WithoutConstraintsIsADenseSystem) {
   EXPECT_LT((found.reshaped() - expected).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-// Of one constraint that is active, y = y0 + H^-1 a (b - a y0) / (a H^-1 a).
+// For one active constraint, y = y0 + H^-1 a (b - a y0) / (a H^-1 a).
 TEST(BandedProgram, HoldsAConstraint) {
   const BandedExample example;
   path::BandedProgram program = programOf(example);
@@ -144,7 +144,7 @@ TEST(NearGaps, OfAnUnjoinedPairAreItsDistance) {
   EXPECT_TRUE(finder.find(apart, 0.05, 1e-3).empty());
 }
 
-// The reach chooses among the points of a pair, but never excludes its nearest point.
+// The reach selects among the points of a pair, but never excludes its nearest point.
 TEST(NearGaps, OfAnOverlapAreItsDepthForAnyReach) {
   Squares squares(2);
   Poses closer = squares.start;
@@ -184,8 +184,8 @@ TEST(NearGaps, ChangeByTheirDerivatives) {
   }
 }
 
-// One square is beside the other in one state and above it in the next. Between these states it
-// must be apart in both directions, though one is enough in any single state.
+// One square is next to the other in one state and above it in the next. Between these states it
+// must be apart in both directions. In a single state one direction is enough.
 TEST(NearGaps, BetweenTwoSidesOfACornerAreAlongBoth) {
   Squares squares(2);
   const double edge = (squares.bricks[0].bottom[1] - squares.bricks[0].bottom[0]).norm();

@@ -1,4 +1,4 @@
-// Deployments that end early and are gone on with, against undisturbed ones.
+// Continued deployments against uninterrupted ones.
 #include "sim/run/checkpoints.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Killed : std::runtime_error {
   Killed() : std::runtime_error("killed") {}
 };
 
-/// How a process ends before its run does.
+/// The end of a process before its run ends.
 enum class Ending { Asked, Killed };
 
 /// One process that starts or continues a deployment and ends at its sample with this number.
@@ -88,7 +88,7 @@ void expectSame(const run::DeploymentResult& a, const run::DeploymentResult& b) 
   EXPECT_EQ(figuresOf(a), figuresOf(b));
 }
 
-/// Ends processes at these samples, one after the other, and lets the last one finish.
+/// Ends processes at these samples, one after the other, and completes the last one.
 void expectResumedAt(const std::vector<std::size_t>& samples, const scene::Scene& scene,
                      const run::DeploymentResult& undisturbed) {
   for (const Ending ending : {Ending::Asked, Ending::Killed}) {
@@ -124,7 +124,7 @@ run::DeploymentResult deployWhole(const scene::Scene& scene) {
 }
 
 TEST(Checkpoints, GoOnWhereBricksTouch) {
-  // A sheet that is pulled together beyond where its bricks meet, on the ground, under gravity.
+  // A sheet on the ground, under gravity, that is pulled together until its bricks touch.
   scene::Scene scene = sheetScene(3, 0.5, 0);
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 0.9;
@@ -142,14 +142,14 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
     const run::DeploymentResult undisturbed = deployWhole(scene);
     scene::Scene withoutContacts = scene;
     withoutContacts.environment.contacts = scene::ContactFilter::None;
-    // The bricks stop each other: metres, measured below and the thickness, 0.02.
+    // Contacts stop the bricks: metres, measured less than the thickness, 0.02.
     EXPECT_LT(undisturbed.accuracy.penetrationOutsidePivotsMax, 1e-3);
     EXPECT_GT(deployWhole(withoutContacts).accuracy.penetrationOutsidePivotsMax, 0.015);
     expectResumedAt({3, 6, 11}, scene, undisturbed);
   }
 }
 
-// Contact finders that have never been asked for a pair, and pins that a timeline sets.
+// Contact finders before their first call, and pins that a timeline sets.
 TEST(Checkpoints, GoOnWhereBricksPassThroughEachOther) {
   scene::Scene scene = sheetScene(3, 0.5, 0.2);
   scene.environment.contacts = scene::ContactFilter::None;
@@ -204,7 +204,8 @@ std::vector<model::Tile> twins(const std::vector<model::Tile>& sheet, double apa
 }
 
 TEST(Checkpoints, KnowWhichBricksHaveTouched) {
-  // Two sheets that meet and part: which bricks have touched orders the elimination from then on.
+  // Two sheets that touch and separate. After that, the elimination is in the order of bricks that
+  // have touched.
   scene::Scene scene = sheetScene(3, 0.5, 0.5);
   const std::vector<model::Tile> sheet = scene.model.tiles;
   const double reach = 0.5 * model::modelSize(scene.model);
@@ -225,7 +226,8 @@ TEST(Checkpoints, KnowWhichBricksHaveTouched) {
 }
 
 TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
-  // Two bricks that overlap by 0.1 part and are brought together again, where they now must stop.
+  // Two bricks that overlap by 0.1 separate and approach each other again. Now contacts must stop
+  // them.
   scene::Scene scene;
   const auto square = [](double left) {
     return model::Tile{{{left, 0, 0}, {left + 1, 0, 0}, {left + 1, 1, 0}, {left, 1, 0}}};
@@ -294,14 +296,14 @@ TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
 TEST(Checkpoints, DoNotSearchAgainForAPath) {
   scene::Scene scene = sheetScene(3, 0, 3.14159265358979323846);
   scene.path.kind = scene::PathKind::Dynamic;
-  scene.springs.springStiffness = 400;  // place counts more than turn: a straight pull locks
+  scene.springs.springStiffness = 400;  // distances outweigh rotations: a straight pull locks
   scene.springs.torqueStiffness = 10;
   const run::DeploymentResult undisturbed = deployWhole(scene);
   const test::TemporaryFolder scratch;
   const fs::path folder = scratch / "checkpoint";
   {
     run::Checkpoints checkpoints(folder, "this order");
-    // The straight path has been tried. The interruption comes during the next check.
+    // The straight path was tried. The interruption comes during the next check.
     int samplesGuided = 0;
     deploy::deployUnkept(
         scene, kInterval, [](const trajectory::Sample&) { return true; },
@@ -356,14 +358,14 @@ TEST(Checkpoints, AreNotMadeTooOften) {
   EXPECT_FALSE(patient.isDue());
   run::Checkpoints eager(scratch / "checkpoint", "this order", kAlways);
   EXPECT_TRUE(eager.isDue());
-  // What it took is 1 part in 10^9 of the time to the next.
+  // Measured: 1 part in 10^9 of the time to the next.
   run::Checkpoints thrifty(scratch / "checkpoint", "this order", {0, 1e-9});
   EXPECT_TRUE(thrifty.isDue());
   thrifty.save({});
   EXPECT_FALSE(thrifty.isDue());
 }
 
-/// A checkpoint of a run that was asked to end.
+/// A checkpoint of an interrupted run.
 class LeftCheckpoint : public testing::Test {
  protected:
   void SetUp() override {
@@ -380,8 +382,8 @@ class LeftCheckpoint : public testing::Test {
     expectSame(result, deployWhole(scene_));
   }
 
-  /// Flips one byte after the other in a file of the checkpoint. Where nobody notices, nothing may
-  /// have changed: HDF5 leaves gaps. Returns how often it was noticed.
+  /// Flips one byte after the other in a file of the checkpoint. Undetected changes must have no
+  /// effect: HDF5 has unused bytes. Returns the number of detected changes.
   int flipBytes(const std::string& name, std::size_t stride) {
     const std::string bytes = test::bytesOf(folder_ / name);
     const std::vector<double> whole = numbersOf(folder_);
@@ -399,7 +401,7 @@ class LeftCheckpoint : public testing::Test {
     return noticed;
   }
 
-  /// The state and the samples that a checkpoint holds; none where it is not used.
+  /// The state and the samples of a checkpoint; absent if it is not used.
   static std::vector<double> numbersOf(const fs::path& folder) {
     run::Checkpoints checkpoints(folder, "this order");
     checkpoints.find();

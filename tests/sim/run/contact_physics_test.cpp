@@ -40,7 +40,7 @@ scene::Scene blockOnSlope(double angle, double friction) {
   return scene;
 }
 
-// Bricks that a solver is made for may end, or become others, once it is made.
+// The bricks given to a solver may be destroyed or changed after it is made.
 TEST(DirectDynamics, KeepsItsOwnBricks) {
   const scene::Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1)}, 0.2);
   Moving kept(scene), changed(scene);
@@ -85,7 +85,7 @@ TEST(Slope, LetsABlockSlideAboveTheAngleOfFriction) {
 }
 
 TEST(Slope, BrakesASlidingBlock) {
-  // Friction takes mu g and never more, then holds.
+  // Friction decelerates by mu g at most, then holds.
   const double friction = 0.4;
   Moving block(blockOnSlope(0, friction));
   block.motion.velocities[0].linear = {1.2, 1.6, 0};
@@ -117,7 +117,7 @@ TEST(Slope, FrictionKeepsItsBoundWhenTheStepChanges) {
 }
 
 TEST(Slope, TipsABlockThatStandsTooSteep) {
-  // Twice as high as wide: it tips over its edge beyond atan(1/2), however rough the ground.
+  // Twice as high as wide: it tips over its edge beyond atan(1/2), for any friction.
   for (const double angle : {0.44, 0.49}) {
     scene::Scene scene = blockOnSlope(angle, 5);
     scene.brick.thickness = 2;
@@ -132,7 +132,7 @@ TEST(Slope, TipsABlockThatStandsTooSteep) {
   }
 }
 
-/// Two bricks that fly at each other along x and meet in the middle of their sides.
+/// Two bricks that collide along x at the middle of their sides.
 scene::Scene headOn(double widthA, double widthB) {
   scene::Scene scene = looseBricks(
       {rectangle({0, -0.5 * widthA, 0}, 1, widthA), rectangle({1.5, -0.5 * widthB, 0}, 1, widthB)},
@@ -192,7 +192,7 @@ TEST(HeadOn, ACornerOnASideTurnsBothBricksAsTheImpulseSays) {
     before = pair.motion.poses;
     pair.advance(1);
   } while (pair.motion.velocities[1].linear.x() < 1e-9 && pair.motion.poses[0].position.x() < 3);
-  // One impulse along x at the corner that reaches farthest towards A.
+  // One impulse along x at the corner nearest to A.
   const double mass = pair.bricks[0].mass, inertia = pair.bricks[0].inertia(2, 2);
   const double impulse = mass * pair.motion.velocities[1].linear.x();
   EXPECT_GT(impulse, 0.01 * mass);
@@ -250,7 +250,8 @@ TEST(Heap, FallsWithoutOverlap) {
   }
 }
 
-/// The turn rate of two joined free squares after some steps, from 1.4 rad open and opening.
+/// The relative angular velocity of two joined free squares after some steps, from 1.4 rad open and
+/// opening.
 double turnRate(bool planar, scene::ContactFilter contacts, int steps) {
   generate::TessellationShape shape;
   shape.columns = 2;
@@ -335,7 +336,7 @@ TEST(BrickFriction, BrakesABrickOnAnother) {
   EXPECT_EQ(pair.unconverged, 0);
 }
 
-/// A target beyond reach, with the strongest springs.
+/// An unreachable target, with the strongest springs.
 struct Squeeze {
   double penetration = 0;  ///< largest, in tile sizes
   double gap = 0;          ///< largest of a joint, in model sizes

@@ -1,6 +1,5 @@
-// Bricks that touch in a part of a face, against motions that are known otherwise: a brick that
-// tips over the edge of another, stacks that are just at rest or just fall, plates that spin to
-// rest.
+// Bricks that touch in part of a face, against known motions: a brick that tips over the edge of
+// another one, stacks at the limit of balance, plates that spin to rest.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -65,8 +64,8 @@ struct Running : Moving {
   }
 };
 
-/// The angle of a unit square of a thickness after a time from rest, that turns about an edge with
-/// its centre `beyond` the edge: I a = m g (e cos a + t/2 sin a). Runge and Kutta.
+/// The angle of a unit square of a thickness that turns about an edge, after a time from rest. Its
+/// centre is `beyond` the edge: I a = m g (e cos a + t/2 sin a). Runge and Kutta.
 double tippedAngle(double beyond, double thickness, double time) {
   const double inertia =
       (1 + thickness * thickness) / 12 + beyond * beyond + 0.25 * thickness * thickness;
@@ -86,7 +85,7 @@ double tippedAngle(double beyond, double thickness, double time) {
   return angle;
 }
 
-/// How a pair of bricks is laid out and stepped.
+/// Layout and steps of a pair of bricks.
 struct Layout {
   double tolerance = 1e-4;  ///< 0: fixed steps
   double turn = 0;          ///< of both bricks about z, radians
@@ -94,8 +93,8 @@ struct Layout {
   bool isReversed = false;  ///< the upper brick has the lower number
 };
 
-/// The tilt of a unit brick on a held one after 0.2 s. The upper one is moved along x by a part of
-/// its side. Gravity goes with the side, so times do not depend on it.
+/// The tilt of a unit brick on a held one after 0.2 s. The upper one is moved along x by a fraction
+/// of its side. Gravity is proportional to the side, so times do not depend on it.
 double tiltOnBrick(double shift, double thickness, const Layout& layout = {}) {
   const Quaternion turned = rotationFromVector(Vector3(0, 0, layout.turn));
   std::vector<model::Tile> tiles = {rectangle({0, 0, 0}, 1, 1),
@@ -259,9 +258,9 @@ TEST(SpinningPlate, SlidesFartherThanOneThatDoesNotSpin) {
     double most;  // of the error of the displacement, over its length
   };
   const Vector3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0);
-  // Four places along a slender plate do not show the part near its centre, which resists most if
-  // it spins fast. Measured errors: 0.013, 0.37, 0.018, 0.02; with points on the middles of the
-  // sides the second was 0.7.
+  // Four points along a slender plate miss the part near its centre, which resists most in fast
+  // spin. Measured errors: 0.013, 0.37, 0.018, 0.02; with points in the middles of the sides the
+  // second was 0.7.
   for (const auto& [corners, speed, spin, most] :
        {Plate{{o, x, x + y, y}, 1, 4, 0.05},
         Plate{{o, 4 * x, 4 * x + 0.1 * y, 0.1 * y}, 0.5, 8, 0.4},

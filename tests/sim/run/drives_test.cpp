@@ -40,7 +40,7 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
 }
 
 TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
-  // A brick that is far away from the centre of a triangle and two squares.
+  // A brick far from the centre of a triangle and two squares.
   std::vector<model::Tile> tiles = generate::makeTessellation({2, 1}).tiles;
   tiles.push_back({{{5, 0, 0}, {7, 0, 0}, {5, 2, 0}}});
   const std::vector<brick::Brick> bricks =
@@ -117,7 +117,7 @@ TEST(BoundarySprings, PullHullCornersToTheCurve) {
     const Vector3 arm = oblong.anchor(k) - middle;
     EXPECT_NEAR(std::hypot(arm.x() / (3 * radius), arm.y() / (2 * radius)), 1, 1e-12);
   }
-  // The middle tile is no part of the hull, a corner tile is pulled outwards along the diagonal.
+  // The middle tile is not in the hull, a corner tile is pulled outwards along the diagonal.
   std::vector<brick::Load> loads(poses.size());
   circle.addLoads(poses, loads);
   EXPECT_TRUE(loads[4].force.isZero(0));
@@ -138,7 +138,8 @@ TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
   EXPECT_TRUE(loads[12].force.isZero(0));
 }
 
-/// Neither the order of the tiles nor that of their corners chooses between two equal sheets.
+/// The selection between two equal sheets depends neither on the order of tiles nor on that of
+/// their corners.
 TEST(BoundarySprings, PullCornersAboveEachOtherAlike) {
   model::Model sheets = generate::makeTessellation({});
   const std::size_t count = sheets.tiles.size();

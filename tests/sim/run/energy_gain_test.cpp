@@ -53,7 +53,7 @@ scene::Scene sceneOf(const Sheet& sheet, double tolerance) {
   return scene;
 }
 
-/// What became of the energy of a run, over that at its start.
+/// Figures of the energy of a run, over that at its start.
 struct Energies {
   double gain = 0;      ///< the largest
   double loss = 0;      ///< the largest
@@ -93,7 +93,7 @@ Energies energiesOf(const Sheet& sheet, double tolerance, int calls) {
 }
 
 // In each of the longest steps the energy may change by a tenth of the tolerance. Measured: gains
-// of 0.5 of what is allowed, at most; losses of 0.8. With 1e9 N m/rad the steps damp the energy and
+// of at most 0.5 of the allowed, losses of 0.8. With 1e9 N m/rad the steps damp the energy and
 // report that the tolerance is exceeded.
 TEST(SprungSheetsToATolerance, GainNoEnergyBeyondIt) {
   constexpr int kCalls = 12;

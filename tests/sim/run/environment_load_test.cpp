@@ -10,7 +10,7 @@ brick::Brick flatBrick() {
                           {0.5, brick::MassRule::Prism, 2});
 }
 
-/// What the environment adds to the load of a brick.
+/// The load of the environment on a brick.
 brick::Load added(const scene::Environment& environment, const brick::Brick& brick,
                   const Pose& pose, const brick::Load& before = {}) {
   std::vector<brick::Load> loads = {before};

@@ -1,5 +1,5 @@
-// Impacts, rolling over an edge and sliding to rest, in steps to a tolerance, against motions that
-// are known otherwise: closed forms, and equations of motion in one angle.
+// Impacts, rolling over an edge and sliding to rest, in steps to a tolerance, against known
+// motions: closed forms, and equations of motion in one angle.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -49,7 +49,7 @@ struct Falling : Moving {
     report += dynamics->advanceToTolerance(motion, kCall, none);
     time += kCall;
   }
-  /// How far the brick is from a place of its centre and a turn about y.
+  /// The distance of the brick from a position of its centre and a rotation about y.
   double error(const Vector3& centre, double turn) const {
     const Quaternion expected = rotationFromVector(Vector3(0, turn, 0));
     return (motion.poses[0].position - centre).norm() +
@@ -77,9 +77,9 @@ AngleState rungeKutta(const AngleState& y, double h, const Acceleration& acceler
   return plus(plus(plus(plus(y, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
 }
 
-/// A brick that falls without friction with one edge ahead, comes down on that edge and, without
-/// rebound, on the other: the height of its centre over the ground is h(b) = (a sin b + t cos b) /
-/// 2 from then on, b its tilt, and its centre falls straight down.
+/// A brick falls without friction on one edge and then, without rebound, on the other. After the
+/// first impact the height of its centre above the ground is h(b) = (a sin b + t cos b) / 2, b its
+/// tilt, and its centre falls vertically.
 class TiltedFall {
  public:
   TiltedFall(const brick::Brick& brick, double side, double height, double tilt, double drop)
@@ -95,7 +95,7 @@ class TiltedFall {
     return 0.5 * (side_ * std::sin(tilt) + height_ * std::cos(tilt));
   }
   double tilt() const { return state_[0]; }
-  /// The height of the centre at a time that only grows.
+  /// The height of the centre at a time. Times must not decrease.
   double heightAt(double time) {
     if (time <= impact_) return centre(state_[0]) + drop_ - 0.5 * kGravity * time * time;
     if (now_ == 0) strike();
@@ -181,7 +181,7 @@ class RockingCube {
       return -std::copysign(frequency_, state_[0]) * std::sin(45 * kDegree - std::abs(tilt));
     });
   }
-  /// At most one impact comes so soon.
+  /// There is at most one impact before this time.
   void advanceBriefly(double seconds) {
     if (std::abs(state_[0]) + std::abs(state_[1]) < kRest) return;
     const AngleState next = after(seconds);

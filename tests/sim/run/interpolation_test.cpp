@@ -58,7 +58,7 @@ class ExactSheet {
   trajectory::Subject subject_;
 };
 
-/// The largest difference between two states in how far any two bricks are apart, metres.
+/// The largest difference between two states in the distance of any two bricks, metres.
 double shapeDifference(const Poses& a, const Poses& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -70,7 +70,7 @@ double shapeDifference(const Poses& a, const Poses& b) {
   return largest;
 }
 
-// Oracle: the mechanism's exact motion, of which every closed state is one.
+// Oracle: the mechanism's exact motion, which contains every closed state.
 TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
   for (const bool inPlane : {true, false}) {
     const ExactSheet sheet(inPlane);
@@ -84,7 +84,7 @@ TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
     EXPECT_DOUBLE_EQ(middle.time, 0.6);
     const double angle = turnBetween(middle.poses[0].rotation, middle.poses[1].rotation).norm();
     EXPECT_NEAR(angle, 0.6, 0.02);  // measured 0.587
-    // The exact state of that angle, wherever closing has moved the sheet as a whole.
+    // The exact state of that angle, after the best motion of the whole sheet.
     EXPECT_LT(shapeDifference(middle.poses, sheet.sample(angle).poses), 1e-11);  // measured 1e-14
   }
 }
@@ -129,7 +129,7 @@ TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
   EXPECT_LT(middle.poses[5].rotation.angularDistance(held.rotation), 1e-7);
 }
 
-// The cubic through four closed states: what it opens is of the fourth order in the turn.
+// The cubic through four closed states: its joint gaps are of the fourth order in the turn.
 TEST(StateInterpolator, MomentsBetweenAreNearlyClosed) {
   const ExactSheet sheet;
   run::StateInterpolator interpolator(sheet.subject());
@@ -146,7 +146,7 @@ TEST(StateInterpolator, MomentsBetweenAreNearlyClosed) {
       interpolator.momentsBetween(sheet.sample(0.4).poses, sheet.sample(0.6).poses).empty());
 }
 
-// Between two branches of the mechanism there is no closed state near the straight one.
+// Between two branches of the mechanism there is no closed state near the linear interpolation.
 TEST(StateInterpolator, TakesTheNearerSampleWhereNoClosedStateLiesBetween) {
   const ExactSheet sheet;
   const trajectory::Sample from = sheet.sample(1.2), to = sheet.sample(-1.2);

@@ -1,4 +1,4 @@
-/// Bricks that are not in a deployment, only in motion.
+/// Bricks in motion, without a deployment.
 #pragma once
 
 #include <algorithm>

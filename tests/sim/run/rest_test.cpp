@@ -1,4 +1,4 @@
-// What is at rest, and what is only slow.
+// Rest and slow motion.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -58,8 +58,8 @@ TEST(Rest, TheEndOfTimeIsReportedWithDistanceAndSpeed) {
   EXPECT_THAT(result.reason, HasSubstr(" m/s at most, "));
 }
 
-// At a flush start the velocity equations leave two held tiles a motion that closed joints do not.
-// Speeds that lead nowhere are rest.
+// At a flush start the velocity equations allow two held tiles a motion that closed joints do not.
+// Speeds without a motion are rest.
 TEST(Rest, AFlushSheetThatPinsLockIsAtRest) {
   for (const int other : {15, 3}) {
     scene::Scene scene = sheet();
@@ -71,7 +71,7 @@ TEST(Rest, AFlushSheetThatPinsLockIsAtRest) {
   }
 }
 
-/// Kinetic energy minus the work of the loads: what a run without a drive never gains.
+/// Kinetic energy minus the work of the loads. It never grows in a run without a drive.
 double mostGained(const trajectory::Trajectory& run) {
   double least = 0, most = 0;
   for (const trajectory::Sample& sample : run.samples) {
@@ -82,7 +82,7 @@ double mostGained(const trajectory::Trajectory& run) {
   return most;
 }
 
-// Gravity in the plane of a flush sheet that a tile holds. At the singular start, joints allow
+// Gravity in the plane of a flush sheet with a held tile. At the singular start, joints allow
 // velocities that begin no motion, and flush bricks press on each other with self-stress.
 TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
   double largest = 0, leastLost = 0;
@@ -110,8 +110,8 @@ TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
   EXPECT_GE(leastLost, -1e-4);  // measured -1.2e-5
 }
 
-/// Three squares in a ring about a triangle that is closed: joints at three corners leave nothing
-/// to move. Its target is the same ring with one square turned away.
+/// Three squares in a ring about a closed triangle: joints at three corners allow no motion. Its
+/// target is the same ring with one rotated square.
 scene::Scene immobile() {
   scene::Scene scene;
   scene.path.kind = scene::PathKind::Straight;

@@ -47,7 +47,7 @@ std::vector<trajectory::Sample> samplesOf(const scene::Scene& scene, double inte
   return deploy::deploy(scene, interval, nullptr).trajectory.samples;
 }
 
-/// Of all samples, the largest energy that the integrator has taken, as a part of all work.
+/// The largest energy in any sample that the integrator has removed, over the whole work.
 double worstBalance(const std::vector<trajectory::Sample>& samples) {
   double worst = 0;
   for (const trajectory::Sample& sample : samples) {
@@ -66,14 +66,14 @@ TEST(Energies, BalanceToTheTolerance) {
       const std::vector<trajectory::Sample> samples = samplesOf(scene, 1.0 / 97);
       // Measured: 0.24 to 1.2 times the tolerance, and 0.9 to 6.2 times with less damping.
       EXPECT_LT(worstBalance(samples), 10 * tolerance) << tolerance << " " << damping;
-      // Most of the work goes into dampers.
+      // Most of the work is lost in dampers.
       const trajectory::Energies& end = samples.back().mechanics->energies;
       EXPECT_GT(end.damped, 0.5 * end.work);
     }
   }
 }
 
-// The guide starts where the tiles are: its springs hold nothing yet, and no work was done.
+// The guide starts at the tiles: its springs have no energy yet, and no work was done.
 TEST(Energies, OfAGuidedRunBeginAtZero) {
   scene::Scene scene = openingSheet();
   scene.path.kind = scene::PathKind::Guided;
@@ -154,12 +154,12 @@ TEST(Energies, GoAtAPinAsInAnImpact) {
     EXPECT_GT(before, 0);
     EXPECT_NEAR(end.impacted / before, 77.0 / 80, 1e-9) << tolerance;
     EXPECT_NEAR(end.work, before, 1e-9 * before);
-    // Euler steps take some of the spin.
+    // Euler steps reduce the spin.
     EXPECT_NEAR(end.integrated() / before, 0, tolerance > 0 ? 1e-6 : 1e-3) << tolerance;
   }
 }
 
-// A tile that is at rest, or is pinned again, loses nothing.
+// A tile at rest, or pinned again, loses nothing.
 TEST(Energies, DoNotGoAtAPinOfATileAtRest) {
   scene::Scene scene = movingSquares();
   scene.velocities.clear();
@@ -175,7 +175,7 @@ TEST(Energies, CountTheWorkOfAGrip) {
   scene.timeline = {{scene::Trigger{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
   scene.solver.tolerance = 1e-5;
   const std::vector<trajectory::Sample> samples = samplesOf(scene, 1.0 / 60);
-  // Once there is work to speak of.
+  // When the work is not negligible.
   const std::vector<trajectory::Sample> later(samples.begin() + 5, samples.end());
   EXPECT_LT(worstBalance(later), 1e-4);  // measured 2.8e-5
   // A grip pulls with the spring of its hold along the path.
@@ -202,8 +202,8 @@ TEST(Holds, CarryWhatRestsOnTheGround) {
   EXPECT_LT(end.holds[0].moment.norm(), 1e-6);
 }
 
-// A brick slides on the ground in its plane. The ground pushes with the weight and brakes with mu
-// times the weight.
+// A brick slides on the ground in its plane. The ground carries the weight and brakes with mu times
+// the weight.
 TEST(Holds, OfAPlanarBrickIncludeTheWeight) {
   for (const double friction : {0.0, 0.3}) {
     scene::Scene scene = fallingBricks(0);
@@ -256,15 +256,15 @@ TEST(Holds, OfAHangingChainCarryItsWeight) {
   EXPECT_LT((pin.force - count * weight).norm(), 1e-6 * count * kGravity)
       << pin.force.transpose() << " " << result.reason;
   for (int j = 0; j + 1 < count; ++j) {
-    // On the tile nearer to the pin pull all those beyond the joint.
+    // The joint nearer to the pin carries all tiles beyond it.
     EXPECT_LT((end.mechanics->jointForces[j] + (count - 1 - j) * weight).norm(),
               1e-6 * count * kGravity)
         << j;
   }
 }
 
-// Tiles that lie flush jam on a pinned one, which carries their weight. What does not balance is
-// not known.
+// Flush tiles jam on a pinned one, which carries their weight. Forces that do not balance are not
+// stored.
 TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
   scene::Scene scene;
   generate::TessellationShape shape;
@@ -303,7 +303,7 @@ TEST(Mechanics, AreTheSameWithMoreSamples) {
   const scene::Scene scene = openingSheet();
   const std::vector<trajectory::Sample> coarse = samplesOf(scene, 1.0 / 24);
   const std::vector<trajectory::Sample> fine = samplesOf(scene, 1.0 / 240);
-  // The last of either is the run's end.
+  // The last of each is the run's end.
   for (std::size_t k = 0; k + 1 < coarse.size(); ++k) {
     const trajectory::Sample& same = fine.at(10 * k);
     EXPECT_EQ(coarse[k].mechanics->energies.damped, same.mechanics->energies.damped);

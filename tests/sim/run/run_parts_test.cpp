@@ -1,4 +1,4 @@
-// The parts of a run by themselves: its clock, the target that it heads for, and its phases.
+// Parts of a run: its clock, its present target, and its phases.
 #include <cmath>
 #include <vector>
 
@@ -102,8 +102,8 @@ TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
 
 // ------------------------------------------------------------------------------------------------
 
-/// The phases of a drive on steps of 1/240 s, each with the time at which its first step began.
-/// The bricks stay where they are.
+/// The phases of a drive in steps of 1/240 s, each with the time of its first step. The bricks do
+/// not move.
 std::vector<std::pair<run::Phase, double>> phasesOf(const scene::Scene& scene) {
   const run::SceneBricks bricks(scene);
   run::StepClock clock(run::RunMotion::checkIntervalOf(scene));
@@ -157,8 +157,8 @@ TEST(RunDrive, AStraightPullSettlesFromTheStart) {
   EXPECT_EQ(phases[0].first, run::Phase::Settle);
 }
 
-// The sample at the end of opening shows the state after the expansion, in which no spring to the
-// target has pulled yet.
+// The sample at the end of opening has the state after the expansion, before springs pull to the
+// target.
 TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
   scene::Scene scene = ledSheet();
   scene.environment.contacts = scene::ContactFilter::None;

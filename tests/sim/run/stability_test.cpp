@@ -1,4 +1,5 @@
-/// No stiffness, damping, step or thickness makes a run diverge or its energy grow.
+/// Runs do not diverge and their energy does not grow, for any stiffness, damping, step or
+/// thickness.
 #include <filesystem>
 #include <functional>
 
@@ -20,7 +21,7 @@ constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 
-/// Every stiffness with every damping. Steps and thicknesses alternate, so all pairs occur.
+/// Every stiffness with every damping. Steps and thicknesses alternate, so that all pairs occur.
 void expectStable(scene::Scene scene, int steps) {
   model::alignStartToTarget(scene.model);
   for (int s = 0; s < 5; ++s) {
@@ -62,7 +63,7 @@ TEST(Stability, OfASheetWithContacts) {
   expectStable(sheet(true, scene::ContactFilter::All), 60);
 }
 
-/// The same in steps to a tolerance, where the energy may grow by its share.
+/// The same in steps to a tolerance, which the energy may grow by.
 void expectStableToATolerance(scene::Scene scene, double tolerance, int steps) {
   model::alignStartToTarget(scene.model);
   for (int s = 0; s < 5; ++s) {
@@ -118,7 +119,7 @@ TEST(Conservation, OfEnergyUnderUndampedSprings) {
   }
 }
 
-/// Linear and angular momentum, and the sums of their sizes over the bricks.
+/// Linear and angular momentum, and the sums of their magnitudes over the bricks.
 struct Momenta {
   explicit Momenta(const test::Moving& moving) {
     for (std::size_t i = 0; i < moving.bricks.size(); ++i) {
@@ -163,7 +164,7 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
   }
 }
 
-/// Bricks that lie flush and are folded: they jam, and their contacts' impulses do not converge.
+/// Flush bricks that are folded: they jam, and the impulses of their contacts do not converge.
 TEST(Stability, OfBricksThatWedge) {
   scene::Scene cap;
   cap.model = generate::makeSphericalCap({.size = 4});
@@ -197,8 +198,8 @@ TEST_P(StabilityOfModel, HoldsWithoutContacts) {
   expectStable(scene, 60);
 }
 
-/// A straight pull on bricks that lie flush: closing the joints of jammed bricks costs work, which
-/// the step must have.
+/// A straight pull on flush bricks: closing the joints of jammed bricks needs work, which the step
+/// must have.
 TEST(StabilityOfPartialSphere, HoldsWhereBricksWedge) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models/partialSphere";

@@ -10,7 +10,7 @@
 namespace kirireel {
 namespace {
 
-/// One thick tile and a target that lies turned and shifted.
+/// One thick tile and a rotated and translated target.
 struct SpringScene {
   explicit SpringScene(double targetTurn, const scene::TargetSpringSettings& settings = {})
       : bricks{brick::makeBrick(tile(), {0.3, brick::MassRule::Unit, 1})},
@@ -91,7 +91,7 @@ TEST(TargetSprings, PullsNothingAtTheTarget) {
 }
 
 TEST(TargetSprings, ForceIsThatOfVertexSprings) {
-  // With equal stiffnesses, one force and one torque do what n springs at the vertices do.
+  // With equal stiffnesses, one force and one torque are equivalent to n springs at the vertices.
   const SpringScene scene(0.9, scene::paperSprings());
   const Pose pose = SpringScene::displaced(Vector6::Zero());
   const std::vector<model::Tile> target = SpringScene::turned({SpringScene::tile()}, 0.9);
@@ -212,7 +212,7 @@ TEST(TargetSprings, SwingABrickWithTheirFrequencyAndDecay) {
       const std::vector<double> moved = brick.swing(false, 1, 1e-4, 10000);
       const std::vector<double> turned = brick.swing(true, 1e-4, 1e-4, 10000);
       const double ratio = std::sqrt(6 / (2 + std::cos(2 * std::numbers::pi / corners)));
-      // Measured 6.0e-6, which the steps err by.
+      // Measured 6.0e-6, the error of the steps.
       for (std::size_t k = 0; k < moved.size(); k += 100) {
         const double time = 1e-4 * static_cast<double>(k);
         EXPECT_NEAR(moved[k], freeSwing(w, 0.1, time), 1e-5) << corners << ' ' << time;

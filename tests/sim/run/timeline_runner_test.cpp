@@ -87,7 +87,7 @@ TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
 }
 
 TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
-  // What the first does changes the state that the second waits for.
+  // The first action changes the state for which the second waits.
   const scene::Timeline timeline = {{{scene::Trigger::Kind::AtRest}, GoTo{}},
                                     {{scene::Trigger::Kind::AtRest}, Quit{}}};
   run::TimelineRunner runner(timeline, bricks);
@@ -123,7 +123,7 @@ TEST_F(TimelineRunnerTest, DragsAlongThePathAtEvenSpeed) {
   EXPECT_LT((force - 10 * Vector3(1, 1, 0)).norm(), 1e-12);
   EXPECT_NEAR(loads[2].damping(0, 0), 7, 1e-12);
   EXPECT_TRUE(loads[1].force.isZero(0));
-  // Let go at the end.
+  // Released at the end.
   runner.carryOut(viewAt(4), stage, events);
   loads.assign(bricks.size(), brick::Load{});
   runner.addDrags(4, poses, loads);

@@ -63,7 +63,7 @@ TEST(Drives, BoundarySpringsOpenASheet) {
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   const Poses& end = result.trajectory.samples.back().poses;
-  // Springs to points, not a push without end: the sheet stops short of its limit of 1.57.
+  // Springs to points end before the sheet's limit of 1.57.
   EXPECT_GT(std::abs(turnOf(end[1]) - turnOf(end[0])) + 0.3, 1.3);  // measured 1.380
 }
 
@@ -160,7 +160,7 @@ TEST(Timelines, ResetGoesBackToTheStart) {
   EXPECT_EQ(result.outcome, run::Outcome::OutOfTime);
   EXPECT_THAT(result.reason, HasSubstr("the timeline ended the run at 2 s"));
   ASSERT_EQ(samples.size(), 21u);
-  // From the reset on everything happens again, to the bit.
+  // After the reset all repeats, to the bit.
   EXPECT_EQ(largestMove(samples[5].poses, samples[15].poses), 0);
   EXPECT_TRUE(samples[15].pinned.empty());
 }
@@ -194,7 +194,7 @@ TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
   scene::Scene scene = sheetScene();
   scene.springs.adaptive = false;
   scene.solver.tolerance = 1e-6;
-  scene.stop.settleSpeed = 1e-3;  // far above what the tolerance leaves of speeds
+  scene.stop.settleSpeed = 1e-3;  // far above the effect of the tolerance on speeds
   std::vector<double> ends;
   for (const double timestep : {1.0 / 480, 1.0 / 240, 1.0 / 80}) {
     scene.solver.timestep = timestep;

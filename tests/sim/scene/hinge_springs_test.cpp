@@ -194,7 +194,7 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
   }
 }
 
-// Each triangle is hinged to its other half, where the tile was flat, and one to the other square.
+// Each triangle has a hinge to its other half, at rest flat, and one of them to the other square.
 TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   const test::TemporaryFolder folder;
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
@@ -209,7 +209,7 @@ TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   EXPECT_EQ(scene.model.foldAngles.size(), 2u);
 }
 
-// Letters without angles define only the side to which springs fold.
+// Letters without angles define only the side of a fold.
 TEST(FoldSprings, FoldLettersByTheirOwnRest) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "a.fold", std::ios::binary)
@@ -235,7 +235,7 @@ TEST(FoldSprings, FoldLettersByTheirOwnRest) {
             "springs fold the sheet to the angles of its file");
 }
 
-// Angles that close round no loop fold the sheet out of its plane though there is no target.
+// Angles that close around no loop fold the sheet out of its plane, although it has no target.
 TEST(FoldSprings, LeaveThePlane) {
   const test::TemporaryFolder folder;
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
@@ -246,8 +246,8 @@ TEST(FoldSprings, LeaveThePlane) {
   EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
 }
 
-// What tiles are made of says how they bend where they are split, and folds by their length scale;
-// springs that are asked for by themselves are at the model's own hinges.
+// The material of tiles defines the bending of split tiles, and of folds by their length scale.
+// Requested springs are at the model's own hinges.
 TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   const test::TemporaryFolder folder;
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
@@ -280,7 +280,7 @@ TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   for (const brick::HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
 }
 
-// Panels that touch only at corners have no hinges, which is no error.
+// Panels that touch only at corners have no hinges, which is not an error.
 TEST_F(HingeSpringsOfAScene, NeedNoHingesIfOnlyTiles) {
   use(model::JointFace::Bottom);
   scene_.hinges.panels = scene::PanelMaterial{1e9, 0.3, 0.1};

@@ -25,7 +25,7 @@ TEST(InitialVelocity, MovesTilesAsOneRigidWhole) {
   EXPECT_LT((apart - angular.cross(between)).norm(), 1e-15);
   EXPECT_LT((0.5 * (velocities[0].linear + velocities[1].linear) - linear).norm(), 1e-15);
   EXPECT_EQ(velocities[1].angular, angular);
-  // Of several for a tile the sum counts.
+  // Several velocities of a tile add up.
   const std::vector<Velocity> both = scene::initialVelocities(
       {{{}, linear, {0, 0, 0}, {}}, {{1}, linear, {0, 0, 0}, {}}}, bricks, poses);
   EXPECT_EQ(both[0].linear, linear);

@@ -18,7 +18,7 @@ class SceneFileTest : public testing::Test {
     return scene::readSceneFile(folder_ / "scene.toml");
   }
 
-  /// The message of a file that is refused, from the file's own name on.
+  /// The message for a refused file, from the file's own name.
   std::string refusal(const std::string& text) {
     try {
       read(text);

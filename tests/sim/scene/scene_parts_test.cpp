@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A sheet, and what is added to it.
+/// A sheet and its parts.
 class ScenePartsTest : public testing::Test {
  protected:
   ScenePartsTest() {
@@ -105,7 +105,8 @@ TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
   EXPECT_FALSE(later.alignment.byHeld);
 }
 
-// A tile that is freed later can still go to its target: it does not decide where the sheet lies.
+// A tile that is released later can still reach its target. It does not define the position of the
+// sheet.
 TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
   scene::Scene freed = scene_;
   freed.timeline = {

@@ -17,7 +17,7 @@ std::vector<scene::Setting> allSettings() {
   return all;
 }
 
-/// Something that a setting accepts and that is not its default.
+/// A valid value of a setting other than its default.
 std::string otherText(const scene::Setting& setting) {
   if (!setting.words.empty()) return setting.words.back();
   if (setting.key == "gravity") return "1,-2,3";
@@ -28,7 +28,7 @@ std::string otherText(const scene::Setting& setting) {
   return setting.unit == "COUNT" || setting.unit == "NUMBER" ? "7" : "0.75";
 }
 
-/// What a setting writes, as it would be typed: without the marks of a scene file.
+/// The text of a setting as on the command line: without quotes of a scene file.
 std::string typed(const std::string& written) {
   std::string text;
   for (const char c : written) {

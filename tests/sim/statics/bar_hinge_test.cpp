@@ -94,8 +94,8 @@ TEST(BarHingeSheets, HoldNothingAsTheWholeMoves) {
   EXPECT_LT(sheet.gradient(q, 0).norm(), 1e-11);
 }
 
-// A flap that is lifted at its wing turns by M = F r: with stiff bars, the height r sin(angle) asks
-// for F = k (angle - rest) / (r cos(angle)).
+// A flap that is lifted at its tip turns by M = F r. With stiff bars, the height r sin(angle) needs
+// F = k (angle - rest) / (r cos(angle)).
 TEST(BarHingeSheets, FollowAFlapThatIsLifted) {
   statics::BarHingeModel model = flap(0.2, 0.7);
   for (statics::Bar& bar : model.bars) bar.stiffness = 1e6;
@@ -106,15 +106,15 @@ TEST(BarHingeSheets, FollowAFlapThatIsLifted) {
   for (const mechanics::Equilibrium& state : path.states) {
     const double angle = std::asin(std::sin(0.2) + state.displacements[0] / r);
     const double force = 0.7 * (angle - 0.2) / (r * std::cos(angle));
-    EXPECT_NEAR(state.forces[0], force, 1e-5 * force + 1e-6);  // bars give by F / 1e6
+    EXPECT_NEAR(state.forces[0], force, 1e-5 * force + 1e-6);  // bars stretch by F / 1e6
     EXPECT_NEAR(state.energy, 0.35 * (angle - 0.2) * (angle - 0.2), 2e-6);
   }
   const Quaternion turned = path.states.back().poses[1].rotation;
   EXPECT_NEAR(2 * std::acos(turned.w()), 0.9, 1e-5);
 }
 
-/// Two bars as a shallow roof of half the span b and the height h, which a force at the top snaps
-/// through: von Mises' truss, F = 2 k y (1 - l0 / l).
+/// Two bars as a shallow roof of half the span b and the height h, with a force at the top: von
+/// Mises' truss snaps through, F = 2 k y (1 - l0 / l).
 TEST(BarHingeSheets, SnapThroughAsVonMisesTrussDoes) {
   const double b = 1, h = 0.3, stiffness = 40, rest = std::hypot(b, h);
   statics::BarHingeModel model;
@@ -139,7 +139,7 @@ TEST(BarHingeSheets, SnapThroughAsVonMisesTrussDoes) {
   EXPECT_NEAR(path.states.back().energy, 0, 1e-14);
 }
 
-/// Eight triangles round a raised vertex, pressed by 0.8 m through the plane of their rims: a
+/// Eight triangles around a raised vertex, pressed by 0.8 m through the plane of their rims: a
 /// waterbomb, whose bars are 1e8 times stiffer than its folds.
 struct Waterbomb {
   explicit Waterbomb(double fold) {
@@ -219,7 +219,7 @@ PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
           static_cast<int>((values.array() < 0).count())};
 }
 
-// Steps that search for any equilibrium jump to a branch of 450 times the energy here.
+// Steps to an arbitrary equilibrium jump to a branch of 450 times the energy here.
 TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
   for (const double fold : {0.1, 0.02}) {
     const Waterbomb bomb(fold);
@@ -236,7 +236,8 @@ TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
   }
 }
 
-// A thousand sizes away, coordinates of positions would lose three digits of what bars need.
+// A thousand sizes from the origin, coordinates of positions would lose three digits that bars
+// need.
 TEST(BarHingeSheets, FollowTheSamePathFarFromTheOrigin) {
   const Waterbomb near(0.1);
   Waterbomb far = near;

@@ -30,7 +30,7 @@ struct Two {
     return brick::ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2],
                                  u[5]);
   }
-  /// Where the ligament is at rest.
+  /// The state of rest of the ligament.
   Vector6 rest() const {
     Vector6 u = Vector6::Zero();
     u.segment<2>(3) = (ligament.pointA + ligament.start - ligament.pointB).head<2>();
@@ -56,7 +56,7 @@ TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
   }
 }
 
-/// A pin that gives, its points together at the start.
+/// A compliant pin, closed at the start.
 Two twoPinned() {
   Two two;
   two.ligament.start.setZero();
@@ -106,8 +106,8 @@ TEST(Ligaments, HoldNothingAsTheWholeTurns) {
   }
 }
 
-// A slender neck that is clamped at one end gives F L^3 / (3 E I) at the other under a force, and
-// M L / (E I) as a turn under a moment.
+// A slender neck that is clamped at one end. At the other end a force displaces it by F L^3 / (3 E
+// I), and a moment turns it by M L / (E I).
 TEST(Ligaments, WithTheirBendingAreBeams) {
   const double youngs = 2e6, width = 0.01, length = 1, thickness = 0.02;
   const double bending = youngs * thickness * width * width * width / 12;
@@ -158,8 +158,8 @@ struct ClampedBeam {
   }
 };
 
-// The moments that a clamped beam puts on its ends: 6 E I d / L^2 on both where one moves across by
-// d; 4 E I a / L on the end that turns by a, and half of that on the other.
+// The end moments of a clamped beam: 6 E I d / L^2 at both ends for a displacement d across; 4 E I
+// a / L at an end that turns by a, and half of that at the other.
 TEST(Ligaments, PutTheMomentsOfABeamOnTheirEnds) {
   ClampedBeam beam;
   const double length = ClampedBeam::kLength, small = 1e-4;
@@ -176,7 +176,7 @@ TEST(Ligaments, PutTheMomentsOfABeamOnTheirEnds) {
   }
 }
 
-// A pin's moments are the spring's and what its opening adds.
+// The moments of a pin: of the spring, and of its opening.
 TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
   ClampedBeam pin;
   pin.ligament.start.setZero();
@@ -314,7 +314,7 @@ TEST(Ligaments, BalanceInASheetUnderCompression) {
   EXPECT_LT(state.forces[2], 0);
 }
 
-// Ligaments that are stiff and short are exact joints: the force differs by what they give.
+// Stiff and short ligaments are nearly exact joints: the force differs by their compliance.
 TEST(Ligaments, ThatAreStiffAreExactJoints) {
   const int side = 4;
   double before = 1;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Tiles and joints with springs at all hinges, and how they are held.
+/// Tiles and joints with springs at all hinges, and their supports.
 struct Held {
   explicit Held(const model::Model& start, double stiffness)
       : model(start),
@@ -136,9 +136,8 @@ TEST(LoadPath, FindsTheBucklingLoadOfAChain) {
   }
 }
 
-// A straight chain that is pressed far has a bifurcation at each load 2 k (1 - cos(j pi / n)): one
-// for each, and one more unstable mode behind it, in steps that are short and in one that passes
-// them all.
+// A straight chain that is pressed far has a bifurcation at each load 2 k (1 - cos(j pi / n)), and
+// one more unstable mode behind each. Short steps, and one step over all, find all of them.
 TEST(LoadPath, FindsEachOfSeveralBifurcationsInOneStep) {
   const int count = 7;
   for (const double longestStep : {0.02, 0.3, 5.0}) {
@@ -233,7 +232,7 @@ Held fourBar(const FourBar& bars, double crank, double stiffness) {
   return held;
 }
 
-/// Where a function with one maximum between two points has it (golden section).
+/// The maximum of a function with one maximum between two points (golden section).
 template <typename Function>
 double maximum(const Function& f, double low, double high) {
   const double share = 0.5 * (std::sqrt(5.0) - 1);
@@ -281,8 +280,8 @@ TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
 }
 
 /// A triangle that turns in a frame, on three ligaments from its corners, a from the middle, to
-/// points of the frame, b from it. Every ligament is at rest where the triangle has turned from the
-/// dead point, in which all are shortest, by the angle `rest` to either side.
+/// points of the frame, b from it. All ligaments are shortest at the dead point, and at rest at the
+/// angle `rest` on either side of it.
 struct TurningTriangle {
   double a = 0.5, b = 1.2, rest = 0.4, stiffness = 30;
 
@@ -296,7 +295,7 @@ struct TurningTriangle {
   double moment(double angle) const {
     return 3 * stiffness * (1 - length(rest) / length(angle)) * a * b * std::sin(angle);
   }
-  /// The frame is a big triangle, whose corners play no part; tile 1 turns in it.
+  /// The frame is a large triangle, whose corners have no joints; tile 1 turns in it.
   statics::ElasticSheet sheet(double amount, bool isForce) const {
     const auto corner = [](double radius, double angle) {
       return Vector3(radius * std::cos(angle), radius * std::sin(angle), 0);
@@ -354,9 +353,9 @@ TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
   }
 }
 
-// 4 x 4 squares that a force shuts and pushes through: with the width 3 (cos(t/2) + sin(t/2)) and
-// 24 springs the pull is 16 k (t - t0) / (cos(t/2) - sin(t/2)). Their constraints are redundant
-// at t = 0, and nearly so round it.
+// 4 x 4 squares that a force closes and pushes through: with the width 3 (cos(t/2) + sin(t/2)) and
+// 24 springs the pull is 16 k (t - t0) / (cos(t/2) - sin(t/2)). Their constraints are redundant at
+// t = 0, and nearly redundant around it.
 TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
   const double open = kPi / 6, stiffness = 0.02;
   generate::TessellationShape shape;
@@ -372,7 +371,7 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
                 {middles(3), Vector3::UnitX(), -0.4, true}};
   const mechanics::LoadPath path = held.follow(2);
   EXPECT_TRUE(path.arrives) << path.trouble;
-  EXPECT_LT(path.states.back().displacements[2], -0.7);  // shut at -0.674
+  EXPECT_LT(path.states.back().displacements[2], -0.7);  // closed at -0.674
   for (const mechanics::Equilibrium& state : path.states) {
     // width = 3 sqrt(2) sin(t/2 + pi/4)
     const double width = 3 * (std::cos(open / 2) + std::sin(open / 2)) + state.displacements[2];
@@ -386,7 +385,7 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
   }
 }
 
-// Squares at 90 degrees are as long as they get, and can turn back to two sides.
+// Squares are longest at 90 degrees, and can turn back to two sides.
 TEST(LoadPath, ReportsWhyItDoesNotLeaveALimitOfTheMechanism) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 2;

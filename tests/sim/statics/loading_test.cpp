@@ -41,14 +41,14 @@ scene::Scene turnedUnit() {
   return scene;
 }
 
-/// The same unit with all slits closed.
+/// The same unit with closed slits.
 model::Model shutUnit() {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   return generate::makeTessellation(shape);
 }
 
-/// What springs and ligaments hold, joules.
+/// Energy of springs and ligaments, joules.
 double elasticEnergyOf(const trajectory::Subject& subject, const Poses& poses) {
   return subject.pairForces.energy(poses);
 }
@@ -166,7 +166,7 @@ TEST(Loading, NecksGiveInMotionToo) {
   EXPECT_EQ(run.elasticity->energyEnd, last.mechanics->energies.elastic);
 }
 
-// What the file has of springs and ligaments holds what the equilibria hold.
+// The energies of springs and ligaments in the file are those of the equilibria.
 TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
   for (const double length : {0.0, 0.1}) {
     scene::Scene scene = turnedUnit();
@@ -298,8 +298,8 @@ TEST(Loading, TellsWhereASheetIsFullyExtended) {
   }
 }
 
-// Rows that slide: the force begins at zero, and the sign of its slope there comes from the
-// rounding of coordinates in another unit.
+// Sliding rows: the force begins at zero. The sign of its slope there depends on the rounding of
+// coordinates in another unit.
 TEST(Loading, RoundingAtAClosedStartIsNoEvent) {
   for (const double unit : {1.0, 1e-3, 0.0254, 0.3048}) {
     scene::Scene scene = pulledSquares(4, 0, 0.4);
@@ -325,7 +325,7 @@ TEST(Loading, TellsThatASheetIsPressedThroughItself) {
   EXPECT_EQ(run.outcome, run::Outcome::Locked);
   EXPECT_THAT(run.reason, HasSubstr("pass through itself"));
   EXPECT_FALSE(run.shortfall.empty());
-  // Not shut yet, it is not.
+  // Not closed yet: not reached.
   const run::DeploymentResult open =
       deploy::deploy(pulledSquares(4, 30 * kDegree, -0.5), 0.5, nullptr);
   EXPECT_EQ(open.outcome, run::Outcome::Settled) << open.reason;
@@ -340,7 +340,7 @@ TEST(Loading, NamesGripsThatContradictEachOther) {
   EXPECT_THAT(refusalOf(twice), HasSubstr("grips contradict each other: the joints do not allow x "
                                           "of tiles"));
   EXPECT_THAT(refusalOf(twice), HasSubstr("by 0.1 (grip 4 x) together"));
-  // The height of squares that are pulled cannot stay.
+  // The height of squares that are pulled must change.
   scene::Scene held = pulledSquares(4, 30 * kDegree, 0.3);
   scene::GripSetting all;
   for (int tile = 0; tile < 16; ++tile) all.tiles.push_back(tile);
@@ -357,7 +357,7 @@ TEST(Loading, NamesGripsThatContradictEachOther) {
 // ------------------------------------------------------------------------------------------------
 // The same sheet in other planes. The oracle is the horizontal sheet.
 
-/// A rotation of the sheet, and the axes of space that its grips name.
+/// A rotation of the sheet, and the axes of space in the names of its grips.
 struct Turn {
   Matrix3 matrix;
   const char* named;
@@ -368,8 +368,8 @@ const Turn kTurns[] = {
     {Eigen::AngleAxisd(90 * kDegree, Vector3::UnitX()).toRotationMatrix(), "xz"},
     {Eigen::AngleAxisd(2.1, Vector3(0.3, -1, 0.5).normalized()).toRotationMatrix(), "xyz"}};
 
-/// The scene turned in space. Each grip that moves or pushes names x, y and z, or those of them
-/// that `named` has.
+/// The scene rotated in space. Each grip that moves or pushes names x, y and z, or those of them in
+/// `named`.
 scene::Scene turnedInSpace(scene::Scene scene, const Matrix3& turn, const std::string& named) {
   scene.model.target.reset();
   for (model::Tile& tile : scene.model.tiles) {
@@ -472,7 +472,7 @@ scene::Scene raisedSquares(double move) {
   return scene;
 }
 
-/// A sheet turned about x: what is along y of it is along y and z.
+/// A sheet rotated about x: its y direction is along y and z.
 scene::Scene turnedAboutX(const scene::Scene& scene, double angle) {
   const Matrix3 turn = Eigen::AngleAxisd(angle, Vector3::UnitX()).toRotationMatrix();
   scene::Scene other = turnedInSpace(scene, turn, "yz");
@@ -510,7 +510,7 @@ TEST(Loading, RefusesDependentAxesThatLeaveThePlane) {
   EXPECT_THAT(refusalOf(scene), HasSubstr("this grip moves out of the plane of the sheet"));
 }
 
-// Two columns cannot part, nor slide along each other, if their heights are fixed.
+// Two columns can neither separate nor slide along each other if their heights are fixed.
 TEST(Loading, NamesContradictionsInAnyPlane) {
   scene::Scene apart = pulledSquares(4, 30 * kDegree, 0.4);
   apart.grips[0].y = apart.grips[2].y = 0;
@@ -585,7 +585,7 @@ TEST(Loading, LiftsATileAboutAFold) {
   const double angle = std::asin(0.6);
   EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
   EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
-  // The elasticity is that of bars and folds, not that of rigid tiles in their best fit.
+  // The elasticity is that of bars and folds, not of the best rigid tiles.
   ASSERT_TRUE(run.elasticity.has_value());
   EXPECT_EQ(run.elasticity->count("bars"), 9);
   EXPECT_EQ(run.elasticity->count("folds"), 3);
@@ -593,8 +593,8 @@ TEST(Loading, LiftsATileAboutAFold) {
   EXPECT_NEAR(run.elasticity->momentEnd, 0.5 * angle, 1e-5);
 }
 
-// Every state of the panels has the energy that the solver found. Fold angles and strains follow
-// from the nodes.
+// Every state of the panels has the energy of the solver. Fold angles and strains follow from the
+// nodes.
 TEST(Loading, StoresTheStatesOfPanels) {
   const run::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
   ASSERT_TRUE(run.trajectory.panels);
@@ -616,7 +616,7 @@ TEST(Loading, StoresTheStatesOfPanels) {
   EXPECT_EQ(panels.states.back().time, run.trajectory.samples.back().time);
 }
 
-// Bars between held nodes need no springs at folds, and still hold energy.
+// Bars between held nodes need no springs at folds, and still have energy.
 TEST(Loading, CountsTheEnergyOfBarsWithoutFolds) {
   scene::Scene scene = liftedFold();
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
@@ -648,7 +648,7 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
   EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
 }
 
-// A fold that is folded in the model's file: without its grip it rests there, for a stiffness from
+// A fold that is folded in the model's file rests there without its grip, for a stiffness from
 // springs or from the length scale.
 TEST(Loading, BeginsWhereTheFilesFoldsRest) {
   for (const double stiffness : {0.5, 0.0}) {

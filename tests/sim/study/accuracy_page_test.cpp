@@ -34,7 +34,7 @@ TEST(AccuracyPage, FindingsFollowFromTheTables) {
   }
 }
 
-// Rows of engines that the program does not have are in tables of their own.
+// Rows of engines outside the program are in separate tables.
 TEST(AccuracyPage, FindingsOfOtherEnginesFollowFromBothTables) {
   int count = 0;
   for (const study::Study& study : study::studies()) {
@@ -45,7 +45,7 @@ TEST(AccuracyPage, FindingsOfOtherEnginesFollowFromBothTables) {
     study::Table both = study::readCsv(folder / (study.name + ".csv"));
     const study::Table others = study::readCsv(file);
     both.rows.insert(both.rows.end(), others.rows.begin(), others.rows.end());
-    // As JSON, which rounds nothing and has null for what is not a number.
+    // As JSON, without rounding and with null for NaN.
     const auto found = nlohmann::json::parse(study::studyJson(study, both))["findings"];
     std::ifstream stream(folder / "engines" / (study.name + ".json"));
     const auto kept = nlohmann::json::parse(stream);
@@ -59,7 +59,7 @@ TEST(AccuracyPage, FindingsOfOtherEnginesFollowFromBothTables) {
 }
 
 TEST(AccuracyPage, HoldsEveryRowOfTheHardCases) {
-  // Read without the script that fills in the page.
+  // Independent of the script that fills in the page.
   const std::string page = test::bytesOf(kRoot / "docs/accuracy.md");
   const study::Table table = study::readCsv(kRoot / "docs/accuracy/hard-cases.csv");
   ASSERT_GT(table.rows.size(), 30U);

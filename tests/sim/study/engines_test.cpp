@@ -14,7 +14,7 @@ TEST(Engines, ForcesAccelerateAsNewtonSays) {
 
 TEST(Engines, DampingLeavesItsShareOfTheVelocity) {
   for (const study::Engine& engine : kEngines) {
-    if (engine == study::kMultiBody) continue;  // damps by a rule of its own
+    if (engine == study::kMultiBody) continue;  // has its own rule of damping
     test::expectDampingLeavesItsShare(engine);
   }
 }

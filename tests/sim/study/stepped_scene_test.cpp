@@ -1,4 +1,4 @@
-/// Studies step the scenes that users run: one motion, whichever loop takes the steps.
+/// Studies run the scenes of users: both loops give one motion.
 #include "sim/study/stepped_scene.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace kirireel {
 namespace {
 
-/// A sheet that springs pull open. Runs do not perturb such a start.
+/// A sheet that springs open. Runs do not perturb such a start.
 scene::Scene pulledSheet(double tolerance) {
   scene::Scene scene;
   generate::TessellationShape shape;
@@ -41,7 +41,7 @@ TEST(SteppedScene, MovesAsARunDoes) {
     const double moved =
         (end[0].position - run.trajectory.samples.front().poses[0].position).norm();
     EXPECT_GT(moved, 0.1);
-    // The perturbation that a run does not give to such a start.
+    // A perturbation, which runs do not apply to such a start.
     EXPECT_LT(apart, 1e-8) << tolerance;  // measured 5.0e-10
   }
 }

@@ -1,4 +1,4 @@
-// What studies come down to, from tables made by hand and from their quickest cases.
+// Findings of studies, from tables made by hand and from their fastest cases.
 #include <cmath>
 
 #include <gmock/gmock.h>

@@ -14,7 +14,7 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-/// A tessellation with every brick with its own displacement and rotation.
+/// A tessellation in which every brick has its own displacement and rotation.
 struct ScatteredTiles {
   model::Model model = generate::makeTessellation({});
   std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {});

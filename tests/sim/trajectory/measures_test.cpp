@@ -70,8 +70,8 @@ TEST(RigidBound, OfAStretchedTileIsHalfTheStretch) {
   EXPECT_NEAR(trajectory::rigidBound(square, longer), 0.1, 1e-15);
 }
 
-/// The least largest residual over plane motions, by search: turns in steps that are refined about
-/// the best one, for each turn the smallest circle round the vertices' misfits.
+/// The least maximum residual over plane motions, by search: rotations in steps that are refined
+/// about the best one; for each rotation the smallest circle around the vertices' misfits.
 class PlaneSearch {
  public:
   PlaneSearch(const model::Tile& tile, const model::Tile& target) : tile_(tile), target_(target) {}
@@ -104,8 +104,8 @@ class PlaneSearch {
     return gaps;
   }
 
-  /// The radius of the smallest circle: of those through two or three points, the least that holds
-  /// all.
+  /// The radius of the smallest circle: of those through two or three points, the least that
+  /// contains all.
   static double circleRound(const std::vector<Vector3>& points) {
     double least = std::numeric_limits<double>::infinity();
     const auto tryCentre = [&](const Vector3& centre) {
@@ -179,7 +179,7 @@ TEST(RigidBound, NoMotionInSpaceGoesBelow) {
 }
 
 TEST(RigidBound, LiesBelowTheBestFitInSquares) {
-  // One corner of a square is displaced: the least-squares fit leaves most of that at this corner,
+  // One corner of a square is displaced: the least-squares fit leaves most of this at the corner,
   // the minimax fit distributes it.
   const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   model::Tile bent = square;

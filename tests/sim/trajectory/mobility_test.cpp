@@ -29,8 +29,8 @@ int planarFreedoms(const model::Model& model) {
   return trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness).freedoms;
 }
 
-/// Central differences of the joints' gaps over poses, and the rank by a full-pivot factorisation:
-/// nothing in common with the measure but the definition.
+/// Central differences of the joints' gaps over poses, and the rank by a full-pivot factorisation.
+/// Only the definition is shared with the measure.
 int rankByDifferences(const model::Model& model) {
   const int tiles = static_cast<int>(model.tiles.size());
   const auto gaps = [&](int unknown, double step) {
@@ -69,7 +69,7 @@ TEST(Mobility, OpenTessellationHasOneFreedomInThePlane) {
 }
 
 TEST(Mobility, ClosedTessellationIsSingular) {
-  // Whole rows and columns of slits can start to open on their own: columns + rows - 2.
+  // Whole rows and columns of slits can start to open separately: columns + rows - 2.
   EXPECT_EQ(planarFreedoms(tessellation(10, 10, 0)), 18);
 }
 
@@ -112,7 +112,7 @@ TEST(Mobility, AgreesWithDifferencesInSpace) {
 }
 
 TEST(Mobility, SignCountsAgreeWithSingularValues) {
-  // 20 x 20 tiles use the sparse method, and still have one freedom.
+  // 20 x 20 tiles use the sparse method, and also have one freedom.
   const model::Model model = tessellation(20, 20, 0.8);
   const trajectory::Mobility found =
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
@@ -131,8 +131,8 @@ TEST(Mobility, SpectrumHasAGap) {
   EXPECT_FALSE(found.areBounds);
 }
 
-/// Moves the corners at each point of the plane together, at random by up to `most` along each axis:
-/// a design whose joints close but whose lattice is not exact, as an optimiser leaves it.
+/// Moves the corners at each point of the plane together, at random by up to `most` along each
+/// axis: a design whose joints close but whose lattice is not exact, as an optimiser leaves it.
 model::Model withMisfit(model::Model model, double most) {
   std::mt19937 random(7);
   std::map<std::pair<long, long>, Vector3> moves;

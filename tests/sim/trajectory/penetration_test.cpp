@@ -83,7 +83,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
   const Pose origin;
   // Side by side, overlapping by 0.01 along x: less than the thickness.
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
-  // Deep in each other: the thickness is the least separation.
+  // Deep overlap: the thickness is the least separation.
   EXPECT_NEAR(depthOf(a, origin, b, {{0.2, 0.3, 0.005}}), 0.015, 1e-15);
   // Separate.
   EXPECT_EQ(depthOf(a, origin, b, {{1.51, 0, 0}}), 0);
@@ -94,7 +94,7 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
   const brick::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose poseB{{1.2, 0.3, 0}};
   EXPECT_NEAR(depthOf(a, {}, b, poseB), 0.3, 1e-15);
-  // A little above it, the separation is over the other.
+  // Slightly higher, the separation is over the top of the other.
   EXPECT_NEAR(depthOf(a, {}, b, {{1.2, 0.3, 0.001}}), 0.019, 1e-15);
   // In any plane, and turned over.
   const Quaternion turn = rotationFromVector({-1, 0.3, 2});
@@ -106,8 +106,8 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
 }
 
 TEST(Penetration, OfABrickThroughAnotherHasTheClosedForm) {
-  // A thin upright bar through the middle of a plate: both reach beyond what they share, on two
-  // axes. The least separation is along x: half of the plate and half of the bar.
+  // A thin upright bar through the middle of a plate: both extend beyond their overlap on two axes.
+  // The least separation is along x: half of the plate and half of the bar.
   const brick::Brick plate = box(1, 4, 1), bar = box(0.2, 6, 0.2);
   const Pose upright{{0, 0, 0}, rotationFromVector({kPi / 2, 0, 0})};
   EXPECT_NEAR(depthOf(plate, {}, bar, upright), 0.6, 1e-15);
@@ -218,7 +218,7 @@ TEST(Penetration, FindsTheDeepestPairOfASheet) {
   poses[100].position.y() += 0.015;
   const trajectory::Penetration found = trajectory::deepestPenetration(bricks, poses);
   EXPECT_TRUE(found.brickA == 100 || found.brickB == 100);
-  // The second method: every pair by itself.
+  // The second method: each pair separately.
   double deepest = 0;
   for (size_t i = 0; i < bricks.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
@@ -235,9 +235,10 @@ TEST(Penetration, NoBricksNoDepth) {
 }
 
 TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
-  // Two squares joined at a corner, turned into each other by an angle: whole, a side of one has
-  // its far end in the other; nothing changes there without the pivot's corners. Moved apart along
-  // the sides' common line until only the corners overlap, no overlap is left.
+  // Two squares joined at a corner, turned into each other by an angle. Whole squares: a side of
+  // one has its far end in the other. Without the corners at the pivot this does not change. If
+  // they are moved apart along the sides' common line until only the corners overlap, no overlap
+  // remains.
   generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
@@ -314,7 +315,7 @@ trajectory::PenetrationDepths depthsOf(const std::vector<brick::Brick>& bricks,
   return depths;
 }
 
-// Second method: what the meter remembers of earlier states must not change a bit of its figures.
+// Second method: the memory of earlier states does not change a bit of the figures.
 TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   const model::Model model = generate::makeTessellation({.columns = 4, .rows = 3});
   const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {.thickness = 0.2});
@@ -346,7 +347,7 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   }
 }
 
-/// States of one motion between two states. Bricks leave their chords by `bulge`, metres and
+/// States of one motion between two states. Bricks are off their chords by `bulge`, metres and
 /// radians.
 std::vector<Poses> motionOf(const Poses& from, const Poses& to, const std::vector<Vector3>& bulge) {
   std::vector<Poses> states;
@@ -442,7 +443,7 @@ TEST(PenetrationMeter, ChecksFewPairsOfAHeapAndReportsIt) {
   EXPECT_FALSE(heap.seesAllPairs());
   EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
   EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
-  // In another order other pairs are checked. Their earlier overlap does not count as new.
+  // In another order other pairs are checked. Their earlier overlap is not new.
   Poses moved = many;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
   EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);

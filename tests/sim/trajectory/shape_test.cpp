@@ -18,8 +18,8 @@ namespace {
 constexpr int kColumns = 6, kRows = 4;
 constexpr double kTolerance = 1e-9;
 
-/// Rotating squares of side 1, of which each is turned by `turn` either way, against their closed
-/// forms (Grima and Evans, J. Mater. Sci. Lett. 19, 2000): each fills a box of side cos + sin.
+/// Rotating squares of side 1, each turned by `turn` in either sense, against their closed forms
+/// (Grima and Evans, J. Mater. Sci. Lett. 19, 2000): each fills a box of side cos + sin.
 struct RotatingSquares {
   explicit RotatingSquares(double halfOpening)
       : turn(halfOpening),
@@ -85,8 +85,8 @@ model::Tile polygon(const std::vector<Vector3>& corners) {
 }
 
 TEST(Shape, CoversWhatTilesShareOnce) {
-  // A unit square and the same moved by (0.5, 0.25) share 0.5 x 0.75; a third lies apart, a fourth
-  // within the first, clockwise.
+  // A unit square and the same moved by (0.5, 0.25) overlap by 0.5 x 0.75. A third is separate, a
+  // fourth lies within the first, clockwise.
   const model::Tile square = polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   model::Tile moved = square, apart = square;
   for (Vector3& vertex : moved.vertices) vertex += Vector3(0.5, 0.25, 0);
@@ -162,7 +162,7 @@ TEST(Shape, CoversNothingKnownInSpace) {
   EXPECT_FALSE(trajectory::coveredArea(tiles));
 }
 
-/// The run of the squares from shut to an opening of `end`, radians, at an even pace in 1 s.
+/// The run of the squares from closed to an opening of `end`, radians, at an even pace in 1 s.
 trajectory::Trajectory openingSquares(double end, int samples) {
   trajectory::Trajectory run;
   run.model = generate::makeTessellation(test::squares(kColumns, kRows, 0));

@@ -55,7 +55,7 @@ TEST(Sheet, TouchingTilesDoNotOverlap) {
 }
 
 TEST(Sheet, CrossingTilesOverlapAsFarAsTheyReachThrough) {
-  // A wall through the floor at x = 0.3: it reaches 0.2 below, 0.8 above, 0.3 and 0.7 aside.
+  // A wall through the floor at x = 0.3: from 0.2 below to 0.8 above, and 0.3 and 0.7 to the sides.
   model::Tile wall{{{0.3, 0, -0.2}, {0.3, 1, -0.2}, {0.3, 1, 0.8}, {0.3, 0, 0.8}}};
   const std::vector<trajectory::TileOverlap> found =
       trajectory::tileOverlaps({unitSquare({0, 0, 0}), wall}, 1e-9);

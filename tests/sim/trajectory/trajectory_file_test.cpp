@@ -500,7 +500,7 @@ TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
       insideOut);
 }
 
-/// The error for a trajectory file after Python lines that change `f`, h5py's view of it.
+/// The error for a trajectory file after lines of Python that change `f`, the file in h5py.
 std::string refusalAfterPython(const std::string& lines) {
   const TemporaryFolder folder;
   trajectory::writeTrajectory(randomTrajectory(3), folder / "run.h5");
@@ -534,7 +534,7 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
             "error: the array time has another layout" + advice);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '>f4')"),
             "error: the array time does not have numbers of 64 bits" + advice);
-  // HDF5 follows the places of texts of variable length without checks.
+  // HDF5 does not check the addresses of variable-length texts.
   EXPECT_EQ(refusalAfterPython("del f['events/text']\n"
                                "f.create_dataset('events/text', (3,), h5py.string_dtype())"),
             "error: the array events/text does not have texts of a fixed length" + advice);
