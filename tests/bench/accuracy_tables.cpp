@@ -34,7 +34,7 @@ void printTessellationTable() {
              "(samples)", "beyond", "gap", "angle");
   for (const bool planar : {true, false}) {
     for (const int side : {4, 10, 20, 40}) {
-      // Weak springs take their time near the singular start, strong ones arrive.
+      // Weak springs are slow near the singular start, strong ones arrive.
       for (const double stiffness : {0.1, 100.0}) {
         scene::Scene scene = sheetScene(side, planar, scene::SolverKind::Direct);
         scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;

@@ -1,5 +1,5 @@
-/// What the painter is measured against: a loop that draws the same triangles from a buffer filled
-/// once, averages the same samples and reads them back.
+/// The lower bound of the painter: a loop that draws the same triangles from a buffer filled once,
+/// averages the same samples and reads them back.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ struct PaintedSheet {
   explicit PaintedSheet(int side);
 };
 
-/// Belongs to the thread that makes it.
+/// Use it only in the thread that makes it.
 class BareLoop {
  public:
   explicit BareLoop(const PaintedSheet& sheet);

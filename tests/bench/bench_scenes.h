@@ -1,4 +1,4 @@
-/// The scenes that benchmarks run, and how their runs are measured.
+/// Scenes of benchmarks, and measures of their runs.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace kirireel::bench {
 
-/// No run of a table may take more CPU seconds; one that would is cut off and marked.
+/// Largest CPU time of a run of a table, seconds. Longer runs are cut off and marked.
 inline constexpr double kRunBudget = 60;
 
 struct NamedScene {
@@ -17,9 +17,8 @@ struct NamedScene {
   scene::Scene scene;
 };
 
-/// All model folders directly inside `folder`, by name, with the settings that their authors give
-/// for them where the defaults do not do, all bricks able to touch. Folders without vertices.txt
-/// are passed over.
+/// All model folders directly inside `folder`, by name. Settings are those of their authors, else
+/// the defaults. All bricks may touch. Folders without vertices.txt are ignored.
 std::vector<NamedScene> modelScenes(const std::filesystem::path& folder);
 
 /// A square sheet that opens from 0 to 90 degrees, without contacts. Joints on both faces are
@@ -27,20 +26,19 @@ std::vector<NamedScene> modelScenes(const std::filesystem::path& folder);
 scene::Scene sheetScene(int side, bool planar, scene::SolverKind kind,
                         model::JointFace face = model::JointFace::Both);
 
-/// CPU milliseconds a step: `steps` of the direct solver, or of Bullet until half a second of CPU
-/// is used.
+/// CPU milliseconds per step, from `steps` of the direct solver, or half a CPU second of Bullet.
 double millisecondsPerStep(const scene::Scene& scene, int steps);
 
-/// What a sheet's deployment misses of the exact motion at the same opening angle.
+/// Errors of a deployment from the exact motion at the same opening angle.
 struct MotionError {
   double compact = 0;      ///< metres, largest up to 0.04 rad
   double open = 0;         ///< metres, largest beyond
   double gap = 0;          ///< metres, largest
   double lastAngle = 0;    ///< radians
-  int compactSamples = 0;  ///< up to 0.04 rad, the start left out
+  int compactSamples = 0;  ///< up to 0.04 rad, without the start
 };
 
-/// Deploys with the scene's timestep, every step sampled.
+/// Deploys with the scene's timestep. Each step is a sample.
 MotionError motionError(const scene::Scene& scene, int side, double seconds);
 
 }  // namespace kirireel::bench

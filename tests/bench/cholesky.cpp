@@ -55,7 +55,7 @@ std::vector<SharedCorner> cornersOf(int n) {
   return corners;
 }
 
-/// H as blocks, for all factorisations alike.
+/// H as blocks, for all factorisations.
 template <int D>
 struct Blocks {
   using Block = Eigen::Matrix<double, D, D>;
@@ -108,8 +108,8 @@ Eigen::SparseMatrix<double> lowerTriangle(const Blocks<D>& h) {
   return lower;
 }
 
-/// One method to factor and solve. Each call does all that a step pays: the values set, one
-/// factorisation, one solve.
+/// One method to factor and solve. Each call does the work of one step: values, factorisation,
+/// solve.
 struct Contender {
   std::string name;
   std::function<void()> analyze;
@@ -147,7 +147,7 @@ Contender eigens(const Eigen::SparseMatrix<double>& lower) {
           }};
 }
 
-/// CHOLMOD with one order, its matrix a view of Eigen's.
+/// CHOLMOD with one order. Its matrix is a view of Eigen's.
 class Cholmod {
  public:
   Cholmod(const Eigen::SparseMatrix<double>& lower, int ordering) {

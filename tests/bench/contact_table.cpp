@@ -5,9 +5,9 @@
 namespace kirireel::bench {
 namespace {
 
-/// What one solver makes of a model with brick contact.
+/// Results of one solver on a model with contacts.
 struct ContactRun {
-  double milliseconds = 0;  // a step
+  double milliseconds = 0;  // per step
   double penetration = 0;   // largest, in tile sizes
   double grown = 0;         // largest beyond the start's, without the corners that bricks share
   double gap = 0;           // largest, in model sizes

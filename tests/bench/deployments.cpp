@@ -49,7 +49,7 @@ constexpr double kOpen = 1.2;      // of the least opening found
 constexpr double kLong = 1.05;     // of the least length found
 constexpr double kFar = 1.05;      // of the least error found
 constexpr double kArrived = 1e-6;  // error in tiles
-constexpr double kBack = 0.1;      // cosine of two moves that are opposed, but for rounding
+constexpr double kBack = 0.1;      // cosine of two opposed moves, up to rounding
 
 const std::map<std::string, scene::ContactFilter> kFilters = {
     {"auto", scene::ContactFilter::Auto},
@@ -68,7 +68,7 @@ std::vector<fs::path> modelsIn(const fs::path& folder) {
   return models;
 }
 
-/// The length of the run's motion over the one of the tiles' own motions to where it ends.
+/// The length of the run's motion over that of the tiles' own motions to the same end.
 double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
@@ -97,7 +97,7 @@ int freedomsAt(const scene::Scene& scene, const trajectory::Trajectory& trajecto
   return trajectory::mobility(scene.model, tiles, freedom, scene.brick.thickness).freedoms;
 }
 
-/// The most of a quarter, half and three quarters of the run.
+/// The largest of the values at a quarter, half and three quarters of the run.
 int freedomsOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
   return std::max({freedomsAt(scene, trajectory, 0.25), freedomsAt(scene, trajectory, 0.5),
                    freedomsAt(scene, trajectory, 0.75)});
@@ -109,14 +109,14 @@ std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
   return states;
 }
 
-/// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
-/// counts as collision-free.
+/// Largest allowed overlap of another path beyond the start, metres: that of the run, or the limit
+/// of collision-free paths.
 double mostGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
   return std::max(run::kAllowedOverlap * model::tileSize(scene.model),
                   result.accuracy.penetrationGrownMax);
 }
 
-/// What a row shows, and what it misses.
+/// Figures of a row, and the requirements that it misses.
 struct Row {
   std::string words;
   std::vector<std::string> missed;
@@ -130,9 +130,9 @@ struct Row {
 // Longer runs, over the tiles' own motions, are compared with the string method.
 constexpr double kDetour = 1.5;
 
-/// How much longer than its tiles' own motions a run is; of a long one also how many ways there
-/// are in which its tiles can move, and to what part of its length the string method shortens it. A
-/// mechanism whose tiles must move apart to turn has no path as short as the tiles' own motions.
+/// The length of a run over that of its tiles' own motions. For a long one, also the number of
+/// freedoms of its tiles and the length to which the string method shortens it. A mechanism whose
+/// tiles must move apart to turn has no path as short as the tiles' own motions.
 void addWinding(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const trajectory::Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
@@ -143,8 +143,8 @@ void addWinding(const scene::Scene& scene, const run::DeploymentResult& result, 
   row.require(least * kLong >= 1, "long");
 }
 
-/// Whether two moves from sample to sample, one after the other, are opposed: at an angle whose
-/// cosine is clearly below 0.
+/// Whether two consecutive moves between samples are opposed: the cosine of their angle is clearly
+/// below 0.
 bool turnsBack(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
@@ -166,7 +166,7 @@ double extentOf(const Poses& poses) {
   return sum;
 }
 
-/// Where a run ended: its target error, or how much a sheet without a target has extended.
+/// The end of a run: its target error, or the extension of a sheet without a target.
 void addEnd(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
   if (!scene.model.target) {
@@ -183,7 +183,7 @@ void addEnd(const scene::Scene& scene, const run::DeploymentResult& result, Row&
   row.require(error <= std::max(kFar * least, kArrived * tile), "far");
 }
 
-/// How far joints opened; where they did, also the least opening that the string method finds from
+/// The opening of joints. If they opened, also the least opening that the string method finds from
 /// the run's own states and from the tiles' own motions, and the ratio of the two.
 void addGap(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const double tile = model::tileSize(scene.model);
@@ -199,7 +199,7 @@ void addGap(const scene::Scene& scene, const run::DeploymentResult& result, Row&
   row.require(opening <= kOpen * least, "open");
 }
 
-/// How far the run is from the symmetries of its model at most, metres, with how many there are.
+/// The largest distance of the run from the symmetries of its model, metres, and their number.
 std::string asymmetryOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
   const std::vector<model::Symmetry> group = model::symmetriesOf(scene.model);
   const double tile = model::tileSize(scene.model);
@@ -210,7 +210,7 @@ std::string asymmetryOf(const scene::Scene& scene, const trajectory::Trajectory&
   return fmt::format("{:8.1e} of {:>2}", farthest / tile, group.size());
 }
 
-/// How many rows there were.
+/// Numbers of rows.
 struct Tally {
   int rows = 0;
   int held = 0;

@@ -1,6 +1,6 @@
-// Whether anything except the samples depends on the sample rate: every model of a folder, deployed
-// at eight rates, contacts auto, none and all. Prints a row for each model, and ends with 1 where a
-// run differs from the one at 60 samples a second.
+// Checks that only samples depend on the sample rate: every model of a folder, deployed at eight
+// rates, contacts auto, none and all. Prints a row for each model. Exit code 1 if a run differs
+// from the one at 60 samples per second.
 //
 //     build/release/tests/bench/frame_rates [MODELS] [--dynamic] [--search-effort FACTOR]
 
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kRates[] = {1, 7, 24, 25, 30, 50, 240};
 
-/// Everything that must be the same, as numbers.
+/// All values that must be the same, as numbers.
 std::vector<double> figuresOf(const scene::Scene& scene, double rate,
                               run::DeploymentResult& result) {
   result = deploy::deploy(scene, 1 / rate, nullptr);

@@ -1,4 +1,4 @@
-/// The tables that the joints benchmark prints.
+/// Tables of the joints benchmark.
 #pragma once
 
 #include "tests/bench/bench_scenes.h"
@@ -8,10 +8,10 @@ namespace kirireel::bench {
 /// Largest joint gap over whole deployments of all models, contacts on.
 void printGapTable(const std::vector<NamedScene>& models);
 
-/// Sheets of 4, 10, 20 and 40 squared from 0 to 90 degrees against the exact motion.
+/// Sheets of n x n tiles, n = 4, 10, 20, 40, from 0 to 90 degrees against the exact motion.
 void printTessellationTable();
 
-/// CPU time a step against Bullet at the same step, planar and in space, and growth exponents.
+/// CPU time per step against Bullet at the same step, planar and in space, and growth exponents.
 void printSpeedTable();
 
 /// The largest step that keeps the exact motion at 100 tiles, and its cost against Bullet.
@@ -29,7 +29,7 @@ void printContactTable(const std::vector<NamedScene>& models);
 /// Every stiffness, damping, step and thickness on a sheet and published models.
 void printStabilityTable(const std::vector<NamedScene>& models, bool contacts);
 
-/// What assembling, factoring and solving one step's system cost.
+/// Costs of assembling, factoring and solving the system of one step.
 void printShareTable();
 
 }  // namespace kirireel::bench

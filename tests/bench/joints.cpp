@@ -19,7 +19,7 @@ std::vector<NamedScene> scenesIn(const std::string& models) {
   return scenes;
 }
 
-/// One sheet that may move in space, and the published models that are here.
+/// One sheet in space, and the published models in this folder.
 std::vector<NamedScene> stabilityScenes(const std::vector<NamedScene>& models) {
   std::vector<NamedScene> scenes{
       {"sheet 4 x 4", sheetScene(4, true, scene::SolverKind::Direct)},

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRampFrames = 36;
 
-/// What the poses of a video's frames are like.
+/// Figures of the poses in a video's frames.
 struct Figures {
   double least = 0;  ///< share of the motion between the ramps in a tenth of their time
   double most = 0;

@@ -12,10 +12,10 @@ constexpr double kSeconds = 2;
 constexpr int kSamplesASecond = 30;
 constexpr int kFinestRate = 1920;
 
-/// What a run passes through, and what it costs.
+/// States of a run, and its cost.
 struct Path {
-  std::vector<std::vector<model::Tile>> tiles;  // one entry a sample
-  double milliseconds = 0;                      // CPU, a simulated second
+  std::vector<std::vector<model::Tile>> tiles;  // one entry per sample
+  double milliseconds = 0;                      // CPU, per simulated second
 };
 
 Path followPath(scene::Scene scene, int rate) {

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSide = 10;  // 100 bricks
-constexpr int kRate = 60;  // frames a second
+constexpr int kRate = 60;  // frames per second
 
 /// To BT.709, as precisely as libswscale can.
 constexpr const char* kPeerColours =
@@ -44,7 +44,7 @@ double cpuSeconds(int who) {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// CPU milliseconds of the quickest of several rounds: what disturbs a round only adds to it.
+/// CPU milliseconds of the fastest of several rounds. Disturbances only add to a round.
 double leastCost(int frames, const std::function<void()>& frame) {
   constexpr int kRounds = 12;
   double least = 1e9;
@@ -56,7 +56,7 @@ double leastCost(int frames, const std::function<void()>& frame) {
   return least;
 }
 
-/// Opens so slowly that it is still on its way after `frames` frames.
+/// Opens so slowly that the motion lasts longer than `frames` frames.
 scene::Scene slowScene(int frames) {
   scene::Scene scene;
   scene.model = generate::makeTessellation({.columns = kSide, .rows = kSide});
@@ -107,7 +107,7 @@ void printVideo(int frames, const fs::path& folder) {
   fmt::print("{}\n", line);
 }
 
-/// Returns the painter's CPU milliseconds a frame without ambient occlusion.
+/// Returns the painter's CPU milliseconds per frame without ambient occlusion.
 double printPainting(const PaintedSheet& sheet) {
   constexpr int kFrames = 10;
   picture::Style plain;
@@ -126,7 +126,8 @@ double printPainting(const PaintedSheet& sheet) {
   return painted;
 }
 
-/// The same pictures into our encoder and, raw, into FFmpeg's own program with the same settings.
+/// The same pictures encoded by us and, from raw frames, by FFmpeg's program with the same
+/// settings.
 void printEncoding(int frames, const PaintedSheet& sheet, picture::Painter& painter,
                    const fs::path& folder) {
   const std::string command = fmt::format(
@@ -169,8 +170,8 @@ void printPeer(double painted) {
              peer / painted);
 }
 
-/// In its own process, because the graphics library chooses its threads once per process: here as a
-/// recording does, and no threads if only painting is measured.
+/// In its own process, because the graphics library chooses its number of threads once per process.
+/// A recording uses threads, a measurement of painting none.
 void printVideoAside(int frames, const fs::path& folder) {
   const pid_t child = ::fork();
   if (child == 0) {

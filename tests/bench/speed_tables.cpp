@@ -7,7 +7,7 @@
 namespace kirireel::bench {
 namespace {
 
-/// Returns the direct solver's milliseconds a step.
+/// Returns the direct solver's milliseconds per step.
 double printSpeedRow(int side, bool planar) {
   const double direct =
       millisecondsPerStep(sheetScene(side, planar, scene::SolverKind::Direct), 240);
@@ -17,7 +17,7 @@ double printSpeedRow(int side, bool planar) {
              fmt::format("{0} x {0} {1}", side, planar ? "planar" : "space"), direct, bullet,
              bullet / direct);
   if (planar) {
-    // In the plane, one point joint a hinge would do for Bullet too.
+    // In the plane, one point joint per hinge is enough for Bullet, too.
     const scene::Scene points =
         sheetScene(side, planar, scene::SolverKind::Bullet, model::JointFace::Bottom);
     const double fewer = millisecondsPerStep(points, 240);

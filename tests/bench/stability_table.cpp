@@ -12,7 +12,7 @@ constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 constexpr double kRunSeconds = 1;
-constexpr double kMostCpuSeconds = 3;  // a run that jams stops there
+constexpr double kMostCpuSeconds = 3;  // the run ends if it jams
 
 /// The worst of all combinations of one model at one step.
 struct Worst {
@@ -23,7 +23,7 @@ struct Worst {
   double growth = -1;
   double gap = 0;
   int unconverged = 0;
-  std::string where;  // the energy grew most
+  std::string where;  // combination with the largest growth of energy
 
   void add(const study::Stability& result, bool isCut, const std::string& combination) {
     ++runs;

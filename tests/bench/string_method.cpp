@@ -36,7 +36,7 @@ namespace {
 constexpr int kImages = 41;
 constexpr int kRoundsAPower = 60;
 constexpr double kPowers[] = {2, 4, 8, 16, 32};
-// Of moves, over the joints' weights: larger is slower, and surer.
+// Of moves, over the joints' weights: larger is slower and more robust.
 constexpr double kLeastDamping = 1e-3;
 constexpr int kHalvings = 6;
 constexpr double kNoGap = 1e-12;  // metres
@@ -84,7 +84,7 @@ class String {
     return least;
   }
 
-  /// The length that is left of that of the images, as a part of it.
+  /// The length of the shortened path over that of the images.
   double shorten() {
     const double before = length();
     keepSymmetries();
@@ -131,7 +131,7 @@ class String {
     return largest;
   }
 
-  /// The deepest overlap beyond that at the start, metres; 0 where any may pass.
+  /// The deepest overlap beyond that at the start, metres; 0 if any overlap is allowed.
   double grown(const Poses& poses) {
     return std::isfinite(mostGrown_) ? meter_.at(poses).grown : 0;
   }
@@ -162,7 +162,7 @@ class String {
     images_ = std::move(even);
   }
 
-  /// A move between two states in units of the metric: places, and turns times radii.
+  /// A move between two states in units of the metric: distances, and rotations times radii.
   Vector moveBetween(const Poses& from, const Poses& to) const {
     Vector move(freedoms() * static_cast<int>(from.size()));
     for (std::size_t i = 0; i < from.size(); ++i) {
@@ -195,7 +195,7 @@ class String {
     return poses;
   }
 
-  /// Adds the slopes of a pivot's point, turned into the world, to three rows.
+  /// Adds the derivatives of a pivot's point in world axes to three rows.
   void addSlopes(std::vector<Eigen::Triplet<double>>& slopes, int row, int brick,
                  const Vector3& arm, double sign) const {
     const int first = freedoms() * brick;
@@ -234,7 +234,7 @@ class String {
     return joints;
   }
 
-  /// A state after a move, which is halved until bricks overlap no deeper than they may.
+  /// A state after a move. The move is halved until no overlap exceeds its limit.
   Poses clearlyMoved(const Poses& poses, Vector move) {
     const double most = std::max(mostGrown_, grown(poses));
     for (int halving = 0; halving < kHalvings; ++halving, move *= 0.5) {

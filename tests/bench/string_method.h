@@ -1,5 +1,5 @@
-/// The least opening of joints between two states, and the least length of a path, by a method of
-/// its own.
+/// The least opening of joints between two states, and the least length of a path, by an
+/// independent method.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,14 @@
 
 namespace kirireel {
 
-/// The largest gap of any joint, metres, on the path from the first state of `guide` to the last on
-/// which that was found to be least; by the string method from the guide. Of paths on which bricks
-/// overlap by at most `mostGrown` metres more than at the start; infinity where the guide falls to
-/// none.
+/// Minimum over paths from the first state of `guide` to the last of the largest gap of any joint,
+/// metres, by the string method from the guide. Bricks overlap by at most `mostGrown` metres more
+/// than at the start. Infinity if no such path is found.
 double leastOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown);
 
-/// The length to which a path with closed joints was shortened, its ends held, over the length that
-/// it has: 1 where no path nearby is shorter that has the symmetries of the model that this one
-/// has. Bricks overlap on it by at most `mostGrown` metres more than at the start; images stop at
-/// contacts and do not slide along them.
+/// The length of a shortened path with closed joints and fixed ends, over its original length. 1 if
+/// no path nearby with the same symmetries of the model is shorter. Bricks overlap on it by at most
+/// `mostGrown` metres more than at the start; images stop at contacts and do not slide along them.
 double leastLength(const scene::Scene& scene, const std::vector<Poses>& path, double mostGrown);
 
 }  // namespace kirireel

@@ -13,7 +13,7 @@ using test::hasProgram;
 using test::outputOf;
 using ::testing::IsEmpty;
 
-/// What bash offers for the words so far, the last one unfinished.
+/// Completions of bash for these words, the last one unfinished.
 std::string offered(const std::string& words) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "kirireel", cli::bashCompletion(cli::describeProgram()));
@@ -48,7 +48,7 @@ TEST(BashCompletion, OffersFiles) {
   EXPECT_EQ(offered("kirireel record --target vert"), "vertices.txt");
 }
 
-/// Whether a shell finds the script in order.
+/// Whether a shell accepts the script.
 void expectInOrder(const std::string& shell, const std::string& check, const std::string& text) {
   if (!hasProgram(shell)) GTEST_SKIP() << "install " << shell << " to check its completion";
   const test::TemporaryFolder folder;

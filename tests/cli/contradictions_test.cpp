@@ -1,4 +1,4 @@
-// Options that make no sense together, from the command line and from scene files.
+// Options that contradict each other, from the command line and from scene files.
 #include <gtest/gtest.h>
 
 #include "render/cli/command_line.h"

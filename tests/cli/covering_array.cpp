@@ -1,6 +1,6 @@
-// Greedy, a row at a time (AETG): a row begins with a combination that no row holds yet. The other
-// factors follow in an order that is drawn for each candidate; each takes the value that completes
-// the most combinations that are still missing. The best of some candidates becomes a row.
+// Greedy, one row after another (AETG): a row begins with a missing combination. The other factors
+// follow in a random order for each candidate. Each takes the value that completes the most missing
+// combinations. The best candidate becomes a row.
 //
 // D. M. Cohen, S. R. Dalal, M. L. Fredman, G. C. Patton, The AETG system: an approach to testing
 // based on combinatorial design, IEEE Transactions on Software Engineering 23, 1997.
@@ -51,7 +51,7 @@ class Generator {
   }
 
  private:
-  /// Factors, and which combinations of their values are missing.
+  /// Factors, and the missing combinations of their values.
   struct Set {
     std::vector<int> factors;
     std::vector<bool> isMissing;  // by indexIn()
@@ -74,7 +74,7 @@ class Generator {
     }
   }
 
-  /// The combination's place; -1 where a value is open.
+  /// The index of a combination; -1 if a value is open.
   long indexIn(const Set& set, const std::vector<int>& row) const {
     long index = 0;
     for (const int factor : set.factors) {

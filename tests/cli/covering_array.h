@@ -1,4 +1,4 @@
-/// Covering arrays: few rows that hold every combination of a few values.
+/// Covering arrays: few rows with every combination of a few values.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@ struct FactorValue {
   int value = 0;
 };
 
-/// Rows with a value for each factor, in which every combination of `strength` values of different
-/// factors appears that holds no conflict. `counts`: values of each factor, of which value 0
-/// conflicts with nothing. No row holds a conflict. The same rows each time.
+/// Rows with a value for each factor. Every combination of `strength` values of different factors
+/// without a conflict is in a row. `counts`: values of each factor; value 0 conflicts with nothing.
+/// No row has a conflict. The result is the same each time.
 std::vector<std::vector<int>> coveringArray(
     const std::vector<int>& counts, int strength,
     const std::vector<std::array<FactorValue, 2>>& conflicts);

@@ -114,7 +114,7 @@ TEST_F(FigureFileTest, NamesWhatExists) {
               HasSubstr("@/page.toml:1:9: error: \"a\" is not allowed; give lists with "));
 }
 
-/// The keys of a panel are the options of `render` that concern one picture, and those of `curves`.
+/// The keys of a panel are the options of `render` for one picture, and those of `curves`.
 TEST_F(FigureFileTest, ListsTheAllowedKeys) {
   const std::string pictures = refusal(one("colur = \"error\"\n"));
   EXPECT_THAT(pictures, StartsWith("@/page.toml:4:1: error: unknown key of a panel of pictures "

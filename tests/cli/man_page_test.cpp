@@ -19,7 +19,7 @@ const std::vector<cli::NamedText>& pages() {
   return all;
 }
 
-/// A page as a reader sees it, in lines of 200 letters, without spaces that only fill lines.
+/// The text of a page in lines of 200 letters, without padding.
 std::string shown(const std::string& name) {
   const test::TemporaryFolder folder;
   for (const auto& [file, text] : pages()) {

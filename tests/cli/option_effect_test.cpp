@@ -1,4 +1,4 @@
-// Options that do nothing next to others are refused with the reason.
+// Options without an effect next to others are refused with the reason.
 #include "render/cli/option_effect.h"
 
 #include <map>
@@ -21,7 +21,7 @@ std::string refusalOfWords(const Words& words) {
   return test::refusalOf([&] { cli::parseCommandLine(words); });
 }
 
-/// A command line on which the option has no effect, and the words to add that give it one.
+/// A command line on which the option has no effect, and words that give it an effect.
 struct Case {
   Words idle;
   Words cure;  // "-X" removes X
@@ -205,7 +205,7 @@ std::multimap<std::string, Case> cases(const test::TemporaryFolder& folder) {
   return all;
 }
 
-/// The words that switch something off, which a cure of "-" takes away.
+/// The words that switch something off, which a remedy "-X" removes.
 const Words kSwitches = {"--no-snapshots", "--no-video", "--no-outlines", "--shells"};
 
 TEST(OptionEffects, AreEachRefusedWithTheirReason) {
@@ -236,7 +236,7 @@ TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
       words = without(words, "b");
     } else {
       words = words + example.cure;
-      // Formats add up; only the last is asked for here.
+      // Formats add up; this removes all but the last.
       const auto format = std::ranges::find(words, "--format");
       if (words.front() == "export" && example.cure.front() == "--format")
         words.erase(format, format + 2);
@@ -257,7 +257,7 @@ TEST(OptionEffects, AreAskedOfWhatIsTyped) {
             "--brick-friction");
 }
 
-// PyKirigami accepts its options in any company.
+// PyKirigami accepts all combinations of its options.
 TEST(OptionEffects, AreNotAskedOfPyKirigami) {
   EXPECT_EQ(refusalOfWords(
                 {"record", "--model", "fan", "--actuation", "none", "--spring_stiffness", "25"}),

@@ -1,4 +1,4 @@
-// Fingerprints of orders depend on every option, but not on its spelling or its place.
+// Fingerprints of orders depend on every option, but not on its spelling or position.
 #include <algorithm>
 #include <regex>
 #include <set>
@@ -16,11 +16,11 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// Two values of an option that are not its default; none for one that takes no value.
+/// Two values of an option that are not its default; empty for a flag.
 struct Sample {
   std::string option;
   Words values;
-  Words needed = {};  ///< without which the option means nothing
+  Words needed = {};  ///< required for an effect of the option
 };
 
 /// Options that a setting requires by its conditions, e.g. --solver direct.
@@ -34,8 +34,7 @@ Words neededFor(const scene::Setting& setting) {
   return words;
 }
 
-/// The sample of a number, of words or of a switch: the first two values that it accepts and that
-/// are not its default.
+/// The sample of a number, a word or a flag: the first two valid values that are not its default.
 Sample sampleOf(const scene::Setting& setting) {
   Sample sample{cli::optionName(setting.key), {}, neededFor(setting)};
   if (setting.isSwitch) return sample;
@@ -55,7 +54,7 @@ Sample sampleOf(const scene::Setting& setting) {
   return sample;
 }
 
-/// A scene file with a grip, without which a load has no steps.
+/// A scene file with a grip. Without it a load has no steps.
 std::string gripScene() {
   static const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "grip.toml";
@@ -292,7 +291,7 @@ TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
   }
 }
 
-// The oracle is the round trip: what is written is read back as the same order.
+// The oracle is the round trip: written words are read back as the same order.
 TEST(Orders, AreMadeAgainFromTheirSettings) {
   const test::TemporaryFolder folder;
   for (const Sample& sample : samples()) {
@@ -315,7 +314,7 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
         Words{"--thickness", "7", "--thickness", "0.03", "--contacts", "unjoined"}}) {
     EXPECT_EQ(termsOf(words), termsOf(plain)) << words.front();
   }
-  // PyKirigami's spellings bring its defaults with them.
+  // PyKirigami's spellings select its defaults.
   Words peer = plain;
   peer.insert(peer.end(), {"--spring-stiffness", "100", "--torque-stiffness", "100",
                            "--force-damping", "50", "--torque-damping", "2", "--path", "dynamic",

@@ -1,5 +1,5 @@
-// Every kind of bad input through the real program: one line on standard error, the right exit
-// code, and nothing left behind.
+// Every kind of bad input to the real program: one line on standard error, the right exit code, and
+// no files.
 #include <algorithm>
 #include <sstream>
 
@@ -159,7 +159,7 @@ TEST(BadCommandLine, TitleThatNoFontCanWrite) {
                 "error: --title: no font has U+4E2D '\u4e2d' (Chinese or Japanese), character 6 of "
                 "'caf\u00e9 \u4e2d'; remove it, or install a font that has it, for example from "
                 "Debian's fonts-noto-cjk");
-  expectScript("\u3002", "Chinese or Japanese", "fonts-noto-cjk");  // of no script by itself
+  expectScript("\u3002", "Chinese or Japanese", "fonts-noto-cjk");  // in no script
   expectScript("\u304b", "Japanese", "fonts-noto-cjk");
   expectScript("\ud55c", "Korean", "fonts-noto-cjk");
   expectScript("\u0939", "Devanagari", "fonts-noto-core");
@@ -206,7 +206,7 @@ TEST(BadOutput, FolderThatCannotBeMade) {
   const std::string onFile = (scratch / "file").string();
   expectOneLine(runKirireel({"record", model, "--out", onFile}), 1,
                 onFile + ": error: the folder cannot be created");
-  // Not even the superuser can make folders here.
+  // Even root cannot make folders here.
   expectOneLine(runKirireel({"record", model, "--out", "/proc/kirireel"}), 1,
                 "/proc/kirireel: error: the folder cannot be created");
 }
@@ -230,7 +230,7 @@ TEST(BadOutput, FileThatCannotGrowLeavesNothingHalfWritten) {
   }
 }
 
-/// A small memory disk, where the system lets us mount one.
+/// A small memory disk, if the system allows mounting one.
 class SmallDisk {
  public:
   explicit SmallDisk(std::uintmax_t bytes, unsigned long flags = 0)
@@ -250,7 +250,7 @@ class SmallDisk {
   bool mounted_;
 };
 
-// Finished files are those of an undisturbed run, and nothing else is left.
+// Finished files are those of a normal run, without any other files.
 TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
   const TemporaryFolder whole;
   ASSERT_EQ(runKirireel(recordArguments(whole.path())).exitCode, 0);
@@ -332,7 +332,7 @@ TEST(BadSystem, TooLittleMemory) {
   GTEST_SKIP() << "sanitizers need an address space without bounds";
 #endif
   ProgramSetting setting;
-  setting.mostMemory = 570'000'000;  // the program's libraries take 450 MB of it
+  setting.mostMemory = 570'000'000;  // 450 MB are the program's libraries
   if (runKirireel({"--version"}, setting).exitCode != 0) {
     GTEST_SKIP() << "the libraries here are too large for this limit";
   }
@@ -380,7 +380,7 @@ TEST(BadSystem, StandardOutputThatIsFull) {
 TEST(BadSystem, NoOpenGl) {
   const TemporaryFolder scratch;
   std::vector<std::string> words = recordArguments(scratch.path());
-  // The driver then offers less than the version that is asked for.
+  // The driver then supports less than the required version.
   words.insert(words.begin(), {"MESA_GL_VERSION_OVERRIDE=2.1", KIRIREEL_PROGRAM});
   expectOneLine(runTool("env", words), 1, "error: cannot make an OpenGL 3.3 context off screen");
   EXPECT_THAT(filesIn(scratch.path()), IsEmpty());

@@ -1,5 +1,5 @@
-// Scenes that do not fit their model, through the real program: one line, exit code 2, no files;
-// runs that lock or diverge: a report in the summary, exit code 3 or 1.
+// Scenes that do not fit their model, with the real program: one line, exit code 2, no files. Runs
+// that lock or diverge: a report in the summary, exit code 3 or 1.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 class BadScene : public testing::Test {
  protected:
-  /// Simulates the shipped 4 x 4 sheet; the scene file is passed over when empty.
+  /// Simulates the shipped 4 x 4 sheet, with the scene file if it is not empty.
   ProgramEnd simulate(const std::string& scene, const std::vector<std::string>& options = {}) {
     std::vector<std::string> arguments = {"simulate", shippedModel("tessellation_4x4").string(),
                                           "--out", (scratch_ / "out").string()};
@@ -79,7 +79,7 @@ TEST_F(BadScene, UnknownKeysSuggestTheNearest) {
 }
 
 TEST_F(BadScene, ALockedRunReportsIt) {
-  // All tiles are held.
+  // All tiles are pinned.
   const ProgramEnd end = simulate("", {"--pin", "0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15"});
   EXPECT_EQ(end.exitCode, kEndedShort) << end.out;
   EXPECT_EQ(summary()["outcome"], "locked");
@@ -87,7 +87,7 @@ TEST_F(BadScene, ALockedRunReportsIt) {
   EXPECT_THAT(summary()["reason"].get<std::string>(), HasSubstr("short of the target"));
 }
 
-// One tile is held, another falls out of all bounds.
+// One tile is pinned, another falls beyond the limit.
 TEST_F(BadScene, ADivergedRunReportsSoAndFails) {
   writeText(scratch_ / "loose/vertices.txt", "0 0 0 1 0 0 1 1 0 0 1 0\n2 0 0 3 0 0 3 1 0 2 1 0\n");
   writeText(scratch_ / "loose/constraints.txt", "# no joints\n");
@@ -100,7 +100,7 @@ TEST_F(BadScene, ADivergedRunReportsSoAndFails) {
               HasSubstr("a brick without joints left all bounds at "));
 }
 
-// A sheet may fall as far as it likes: g t^2 / 2, with the steps of the default tolerance.
+// A sheet may fall any distance: g t^2 / 2, with the steps of the default tolerance.
 TEST_F(BadScene, AFallingSheetDoesNotDiverge) {
   simulate("", {"--gravity", "-1e6", "--actuation", "none", "--duration", "0.2"});
   EXPECT_EQ(summary()["outcome"], "out_of_time");
@@ -114,7 +114,7 @@ TEST_F(BadScene, ARunWhoseTimeIsUpReportsWhetherItIsAtItsTarget) {
   EXPECT_EQ(simulate("", {"--duration", "0.7", "--path", "dynamic"}).exitCode, 0);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], true);
-  // Nothing to reach.
+  // No target.
   for (const char* drive : {"none", "expansion"}) {
     EXPECT_EQ(
         simulate("", {"--duration", "0.05", "--path", "dynamic", "--actuation", drive}).exitCode, 0)

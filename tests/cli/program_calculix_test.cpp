@@ -1,4 +1,4 @@
-// Decks of end states, run by CalculiX as they are: skipped where ccx is not installed.
+// Decks of end states in CalculiX, unchanged. Skipped if ccx is not installed.
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -115,8 +115,8 @@ TEST(ProgramSupports, HoldEveryMechanismInTheMiddleOfADeployment) {
   }
 }
 
-/// By how much nodes miss their places in the final state, in metres, where CalculiX follows the
-/// whole deployment by default options.
+/// The largest distance of nodes from their positions in the final state, metres, if CalculiX
+/// follows the whole deployment with default options.
 double missAtTheEnd(const std::string& model) {
   const TemporaryFolder scratch;
   const std::string out = scratch.path().string();
@@ -146,7 +146,7 @@ double missAtTheEnd(const std::string& model) {
 TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   EXPECT_LT(missAtTheEnd("tessellation_4x4"), 1e-6);  // measured: 3.5e-7
-  // 500 increments: the default path of the cap opens it first and then leads its tiles.
+  // 500 increments: the default path of the cap opens it first and then guides its tiles.
   EXPECT_LT(missAtTheEnd("cap"), 1e-6);  // measured: 7.2e-8
 }
 
@@ -169,8 +169,8 @@ TEST(ProgramCheck, ReportsHowMuchElementsMatter) {
       HasSubstr("error: --check has no effect without a deck. Export inp or remove --check"));
 }
 
-// By hand: 4 hinges of k = 2 N m/rad between squares of 1 m that turn by t and -t. The middles of the
-// ends move apart by t, so t F = 4 k (2 t)^2: t = F / (16 k) = 0.03125 m for 1 N.
+// By hand: 4 hinges of k = 2 N m/rad between squares of 1 m that turn by t and -t. The middles of
+// the ends move apart by t, so t F = 4 k (2 t)^2: t = F / (16 k) = 0.03125 m for 1 N.
 TEST(ProgramCheck, RunsTheDeckWithItsSprings) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const TemporaryFolder scratch;
@@ -178,9 +178,9 @@ TEST(ProgramCheck, RunsTheDeckWithItsSprings) {
   const std::string model = scratch / "squares";
   runKirireel({"generate", "tessellation", model, "--columns", "2", "--rows", "2"});
   runKirireel({"simulate", model, "--hinge-stiffness", "2", "--duration", "0.2", "--out", out});
-  const ProgramEnd end = runKirireel(
-      {"export", out, "--format", "inp", "--states", "initial", "--joints", "patch", "--check",
-       "--elements-per-edge", "4", "--elements-through", "1", "--linear"});
+  const ProgramEnd end =
+      runKirireel({"export", out, "--format", "inp", "--states", "initial", "--joints", "patch",
+                   "--check", "--elements-per-edge", "4", "--elements-through", "1", "--linear"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
   double own = 0, finer = 0;
   const std::size_t line = end.out.find("check: initial:");
@@ -206,7 +206,8 @@ TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel("hexagons").string(), "--out", out, "--fps", "10",
                "--export", "inp", "--joints", "equation"});
-  // CalculiX and Abaqus read 20 characters of a number and 256 of a line, without a word.
+  // CalculiX and Abaqus silently ignore characters of a number after the 20th, and of a line after
+  // the 256th.
   const std::string limits =
       "!/^\\*/ { n = split($0, words, \",\"); for (k = 1; k <= n; k++) { gsub(/ /, \"\", "
       "words[k]); "

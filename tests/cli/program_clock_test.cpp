@@ -1,4 +1,4 @@
-// A run while somebody sets the system's clock, by libfaketime.
+// A run during changes of the system's clock, by libfaketime.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

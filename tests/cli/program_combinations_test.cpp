@@ -1,5 +1,5 @@
-// Short runs of every combination of a few choices: none crashes or hangs, and what cannot be
-// combined is refused in one line.
+// Short runs of every combination of a few choices: none crashes or hangs, and contradictions are
+// refused in one line.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -66,7 +66,7 @@ std::vector<Outline> squares(double angle) {
 }
 
 TestModel flat() {
-  // Corners count from the lower left one of a tile that is not turned.
+  // Corners count from the lower left one of a tile that is not rotated.
   return {squares(0.15),
           {{0, 1, 1, 0, 3}, {2, 2, 3, 3, 3}, {0, 2, 2, 1, 3}, {1, 3, 3, 0, 3}},
           squares(0.6)};
@@ -234,8 +234,8 @@ int choiceNamed(FactorNumber factor, const std::string& name) {
 
 using Conflict = std::array<test::FactorValue, 2>;
 
-/// Pairs of choices that are refused. They are left out of the rows, where each would hide all that
-/// else is in its row, and are run by themselves.
+/// Pairs of choices that are refused. They are run separately. In the rows they would hide all
+/// other choices.
 std::vector<Conflict> conflicts() {
   std::vector<Conflict> all;
   const auto add = [&all](FactorNumber a, const Words& as, FactorNumber b, const Words& bs) {
@@ -297,7 +297,7 @@ class Combinations : public testing::Test {
     }
   }
 
-  /// The words of a run, whose scene file is written.
+  /// The words of a run. Writes its scene file.
   Words wordsOf(const std::vector<int>& row) {
     Words words = {"simulate"};
     std::string scene;
@@ -318,7 +318,7 @@ class Combinations : public testing::Test {
     return words;
   }
 
-  /// An end that takes too long has the exit code 124 of timeout(1).
+  /// A run that takes too long has the exit code 124 of timeout(1).
   static ProgramEnd runWithin(const Words& limit, const Words& words) {
     Words all = limit;
     all.push_back(KIRIREEL_PROGRAM);
@@ -333,8 +333,8 @@ class Combinations : public testing::Test {
         fmt::format("kirireel {}\n{}", fmt::join(words, " "), readText(scratch_ / "scene.toml")));
     fs::remove_all(scratch_ / "out");
     if (row[kResume] == 0) return expectFine(runWithin({"120"}, words), false);
-    // The first run is interrupted as soon as it listens. How far it comes depends on the machine;
-    // the second ends in order from anywhere.
+    // The first run is interrupted as soon as it handles signals, at a point that depends on the
+    // machine. The second completes it.
     double seconds = 0.05;
     while (
         expectFine(runWithin({"--preserve-status", "-s", "INT", fmt::format("{}", seconds)}, words),
@@ -351,7 +351,7 @@ class Combinations : public testing::Test {
   int expectFine(const ProgramEnd& end, bool mayBeInterrupted) {
     ++runs_;
     message_ = end.err;
-    // A signal that comes before the program listens ends it.
+    // A signal before the program handles signals ends it.
     const bool isEarly = mayBeInterrupted && end.exitCode == kEndedBySignal;
     const bool isFine = isEarly || (end.exitCode >= 0 && end.exitCode <= 4);
     EXPECT_TRUE(isFine) << "exit code " << end.exitCode << "\n" << end.err;
@@ -390,8 +390,8 @@ class Combinations : public testing::Test {
         fmt::print("refused: kirireel {}\n{}", fmt::join(wordsOf(rows[k]), " "), message_);
       }
     }
-    // A refused row hides what its other choices do. Reasons for it need three choices. Measured:
-    // 0.09 of the rows of pairs, 0.05 to 0.10 of each part of fours.
+    // A refused row tests none of its other choices. Rows are refused only for reasons with three
+    // choices. Measured: 0.09 of the rows of pairs, 0.05 to 0.10 of each part of fours.
     EXPECT_LE(refused_ * parts, 0.12 * static_cast<double>(rows.size()));
     fmt::print("{} rows, {} runs, {} refused, {} faults\n", rows.size(), runs_, refused_, faults_);
   }
@@ -418,7 +418,7 @@ TEST_F(Combinations, ThatConflictAreRefused) {
   }
 }
 
-// Bricks that pass through each other and fall on the ground.
+// Bricks that overlap and fall on the ground.
 TEST_F(Combinations, OfGroundGravityAndNoContactsRun) {
   std::vector<int> row(factors().size(), 0);
   row[kContacts] = choiceNamed(kContacts, "none");

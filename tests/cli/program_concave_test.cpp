@@ -1,8 +1,8 @@
-// Concave tiles through the whole program: an L and a star that hang together by one corner.
+// Concave tiles in the whole program: an L and a star that are joined at one corner.
 //
-// The star turns about the tip of the L's arm until one of its tips meets the arm. A tip at a right
-// angle to the joint's is a side of sqrt(2) away from it, so the joint is then open by 135 degrees
-// for any motion of the two.
+// The star turns about the tip of the L's arm until one of its tips touches the arm. A tip at a
+// right angle to the joint's is a side of sqrt(2) away from it, so the joint is then open by 135
+// degrees for any motion of the two.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -73,7 +73,7 @@ double volumeIn(const std::filesystem::path& file) {
   return volume;
 }
 
-/// Pixels of one half of a picture without a background that show something.
+/// Pixels of one half of a picture without a background that are not transparent.
 int paintedIn(const picture::Frame& picture, int half) {
   int painted = 0;
   const int width = picture.size.width / 2;
@@ -83,7 +83,7 @@ int paintedIn(const picture::Frame& picture, int half) {
   return painted;
 }
 
-/// The two, recorded towards a target in which the star is turned so far.
+/// The two, recorded towards a target with the star at this angle.
 class ConcaveTiles : public testing::Test {
  protected:
   void record(double targetAngle) {

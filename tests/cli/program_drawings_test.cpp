@@ -1,4 +1,4 @@
-// From a drawing of our own to runs, decks and other files.
+// From our own drawing to runs, decks and other files.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// `kirireel export`, and what other programs make of its files.
+// `kirireel export`, and its files in other programs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Files in every state that others publish them in, made from our own generators, read and deployed
-// by the real program.
+// Models in the forms in which others publish them, made with our generators, read and deployed by
+// the real program.
 #include <cmath>
 #include <random>
 #include <sstream>
@@ -20,7 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// How a planar file is written.
+/// Form of a planar file.
 struct Writing {
   int decimals = 9;
   double scale = 1;
@@ -166,7 +166,7 @@ TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
   EXPECT_THAT(end.out, HasSubstr("tiles)"));
 }
 
-// Springs chattered about the full extension of long chains and of thin sheets.
+// With springs, long chains and thin sheets oscillated about full extension.
 TEST_F(Files, LongChainsRestAtFullExtension) {
   write(family("stampfli-chain"), {});
   EXPECT_EQ(simulate("sheet_vertices.txt").exitCode, 0);
@@ -189,8 +189,8 @@ TEST_F(Files, WedgedQuadsInSpaceArrive) {
   formats::writeModelFolder(cap, scratch_ / "cap");
   EXPECT_EQ(simulate("cap").exitCode, 0);
   EXPECT_TRUE(summary_["at_target"].get<bool>());
-  // Openings below 0.02 tile are alike; of such paths the smoothest is taken. Measured: 2.6e-3 m
-  // (a tile is 1 m) and 1e-5 m.
+  // Openings below 0.02 tile count as equal. Of such paths the smoothest is selected. Measured:
+  // 2.6e-3 m (a tile is 1 m) and 1e-5 m.
   EXPECT_LE(jointGap(), 0.02);
   EXPECT_LE(summary_["accuracy"]["penetration_grown_max"].get<double>(), 1e-4);
 }
@@ -207,7 +207,7 @@ TEST_F(Files, RepeatedJointsCountOnceAndStrictRefuses) {
 }
 
 TEST_F(Files, OneDigitApartStaysAJoint) {
-  // Three decimals on a sheet 200 wide; a corner of the middle tile is off by the last of them.
+  // Three decimals on a sheet 200 wide. A corner of the middle tile is off by one in the last.
   model::Model model = openSquares();
   for (model::Tile& tile : model.tiles) {
     for (Vector3& v : tile.vertices) v = (v * 60 * 1000).array().round().matrix() / 60000;

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Words = std::vector<std::string>;
 
-/// Everything in a folder: what it is, and what it holds or leads to.
+/// All entries of a folder: type, and content or link target.
 std::map<std::string, std::string> treeOf(const fs::path& folder) {
   std::map<std::string, std::string> tree;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -177,7 +177,7 @@ TEST_F(Folders, TakeASecondExportAndASecondPicture) {
   writeText(out_ / "state_initial.stl", "changed");
   EXPECT_THAT(runKirireel({"verify", out_.string()}).out, HasSubstr("state_initial.stl: 7 bytes"));
   fs::remove(out_ / "state_initial.stl");
-  // A new run takes the place of all of it.
+  // A new run replaces all of it.
   runKirireel(recordInto(out_, {"--thickness", "0.03"}));
   EXPECT_EQ(runKirireel({"verify", out_.string()}).exitCode, 0);
   EXPECT_FALSE(fs::exists(out_ / "state_initial.obj"));
@@ -225,7 +225,7 @@ TEST_F(Folders, KeepTheEarlierRunWhenANewOneIsKilled) {
     EXPECT_EQ(after, before);
     EXPECT_EQ(runKirireel({"verify", out_.string()}).exitCode, 0);
   }
-  // The same order again finds its run finished, and clears up.
+  // The same command again finds its run finished, and removes temporary files.
   EXPECT_THAT(runKirireel(recordInto(out_, {"--resume"})).out, HasSubstr("finished already"));
   EXPECT_EQ(treeOf(out_), before);
 }

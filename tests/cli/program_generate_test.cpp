@@ -1,4 +1,4 @@
-// Shipped models are what their commands make; conversions there and back lose nothing.
+// Shipped models equal the output of their commands. Conversions in both directions lose nothing.
 #include <algorithm>
 #include <fstream>
 #include <regex>
@@ -42,7 +42,8 @@ std::vector<ShippedModel> shippedModels() {
   return models;
 }
 
-/// Whether two texts hold the same words, numbers to 1e-12 (another processor may round otherwise).
+/// Whether two texts have the same words, with numbers within 1e-12 (other processors may round
+/// otherwise).
 bool sameNumbers(const std::string& a, const std::string& b) {
   std::istringstream left(a), right(b);
   for (std::string wordA, wordB;;) {
@@ -86,7 +87,7 @@ TEST_P(ShippedModels, SurviveConversionThereAndBack) {
   }
 }
 
-/// On these no path was found that arrives among bricks that keep out of each other.
+/// No path arrives on these with contacts.
 const std::set<std::string> kShortModels = {"sphere_to_saddle", "stampfli_108"};
 
 /// By the definition of arriving, from the figures of a summary.
@@ -97,7 +98,7 @@ bool isAtTarget(const nlohmann::json& summary) {
   return error <= 1.05 * nearest + 1e-6 * size && error <= 0.1 * size;
 }
 
-/// Of a run with contacts auto whose search had budget enough.
+/// For a run with contacts auto and enough search budget.
 int expectedCode(const nlohmann::json& summary) {
   const double size = summary["model"]["tile_size"];
   const bool overlaps = summary["accuracy"]["penetration_grown_max"] > 1e-4 * size;

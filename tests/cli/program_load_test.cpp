@@ -1,4 +1,4 @@
-// Sheets under grips against other programs: skipped where those are not installed.
+// Sheets under grips against other programs. Skipped if these are not installed.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -19,14 +19,14 @@ using ::testing::Not;
 
 using test::kPython;
 
-/// So many numbers from the first on, with commas between.
+/// So many consecutive numbers from the first, separated by commas.
 std::string listed(int first, int count) {
   std::string list;
   for (int k = 0; k < count; ++k) list += fmt::format("{}{}", k ? "," : "", first + k);
   return list;
 }
 
-/// A scene in which some tiles are held along x, one along y too, and others moved.
+/// A scene in which some tiles are held along x, one of them along y too, and others are moved.
 std::string squeezed(const std::string& held, const std::string& moved, double move,
                      const std::string& model) {
   return fmt::format(
@@ -130,7 +130,7 @@ TEST(ProgramLoad, PlotsItsLoadCurve) {
     EXPECT_EQ(runKirireel({"curves", run, "--plot", "svg", "--curves", "load_curve"}).exitCode, 0);
     EXPECT_THAT(readText(run + "/curves.svg"), Not(HasSubstr("simulated time, s")));
   }
-  // A run without grips has no such curve.
+  // A run without grips has no load curve.
   const std::string other = scratch / "other";
   runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", other});
   EXPECT_THAT(runKirireel({"curves", other, "--plot", "svg", "--curves", "load_curve"}).err,
@@ -139,14 +139,13 @@ TEST(ProgramLoad, PlotsItsLoadCurve) {
 
 /// A flat sheet that is pulled along x by its last tiles, its first ones held.
 struct PulledSheet {
-  std::vector<std::string> generated = {"tessellation"};  ///< the words that generate it
-  std::string held = listed(0, 4);    ///< the tiles that are held, the first along y too
-  std::string moved = listed(12, 4);  ///< those that are moved
-  double move = 0.3;                  ///< metres
+  std::vector<std::string> generated = {"tessellation"};  ///< arguments of `generate`
+  std::string held = listed(0, 4);                        ///< held tiles, the first along y too
+  std::string moved = listed(12, 4);                      ///< moved tiles
+  double move = 0.3;                                      ///< metres
 };
 
-/// What such a sheet on necks takes in CalculiX and here: by how much the forces here miss those
-/// there, parts of each.
+/// The differences between forces of such a sheet in CalculiX and here, relative.
 double missOfNecks(double width, double length, const std::vector<std::string>& cut,
                    const std::string& joints, const PulledSheet& sheet = {}) {
   const TemporaryFolder scratch;
@@ -161,7 +160,7 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
                                         "[actuation]\nload_steps = 100\n",
                                         width, length, joints)));
   const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
-  // The tiles beside wide necks overlap a little, because the run has no contacts.
+  // The tiles next to wide necks overlap a little, because the run has no contacts.
   const bool isOverlapping = end.out.find("tiles overlap by up to") != std::string::npos;
   EXPECT_EQ(end.exitCode, isOverlapping ? 3 : 0) << end.out << end.err;
   std::vector<std::string> words = {"export",
@@ -194,8 +193,8 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
   return pulled.out.empty() ? 1 : largest;
 }
 
-// Sheets on necks without a length, whose stiffness is the table's, and on slender ones, whose
-// force over opening is that of decks.
+// Sheets on necks without a length, with the stiffness of the table, and on slender ones, with the
+// force over opening of decks.
 TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";

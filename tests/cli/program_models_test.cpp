@@ -1,4 +1,4 @@
-// Models of other people, if they are next to the repository. Skipped otherwise.
+// Published models, if they are next to the repository. Skipped otherwise.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 namespace kirireel {
 namespace {
 
-/// A model, its options, and the target error at which PyKirigami ends on it.
+/// A model, its options, and PyKirigami's target error at the end.
 struct PublishedModel {
   std::string name;
   std::vector<std::string> options;

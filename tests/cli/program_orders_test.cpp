@@ -1,5 +1,5 @@
-// Which runs `--resume` knows as finished: random pairs of orders that differ in one thing. The
-// oracle is how the second was made from the first: by another spelling, or by another content.
+// Runs that `--resume` keeps as finished: random pairs of orders with one difference. The oracle is
+// the kind of difference: another spelling, or another content.
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
@@ -64,7 +64,7 @@ class Orders : public testing::Test {
   std::string at(const std::string& name) const { return (scratch_ / name).string(); }
   static int run(const std::vector<std::string>& words) { return runKirireel(words).exitCode; }
 
-  /// Files that a run of the model reads, but for the scene file.
+  /// Files that a run of the model reads, except the scene file.
   std::vector<std::string> inputsOf(const Request& requested) const {
     std::vector<std::string> files = {at("rock.obj"), at("half.txt")};
     const std::string name = requested.model.filename().string();
@@ -88,7 +88,7 @@ class Orders : public testing::Test {
     return words;
   }
 
-  /// Whether the second is known as finished once the first was run.
+  /// Whether the second is kept as finished after a run of the first.
   bool isKnown(const std::vector<std::string>& second) const {
     std::vector<std::string> words = second;
     words.emplace_back("--resume");

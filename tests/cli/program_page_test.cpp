@@ -1,4 +1,4 @@
-// `kirireel page` as users call it. What browsers make of its pages is in tests/page.
+// `kirireel page` for users. Tests of its pages in browsers are in tests/page.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

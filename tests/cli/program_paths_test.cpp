@@ -1,5 +1,5 @@
-// Names that are awkward, links that lead elsewhere, and texts that a shell would act on, through
-// the real program.
+// Unusual names, links to other places, and texts with special characters of the shell, with the
+// real program.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-// A colon would make "take 2" a protocol of FFmpeg's, the rest upsets who splits or prints names.
+// A colon would make "take 2" a protocol of FFmpeg. Other characters break programs that split or
+// print names.
 constexpr const char* kAwkward = "take 2: \u7d19 \u00f6ffnet\n'quick' $HOME \"%s\" \\x";
 
 std::vector<std::string> recordArguments(const fs::path& model, const fs::path& out) {
@@ -55,7 +56,7 @@ TEST(AwkwardNames, MayBeAnyBytes) {
   EXPECT_THAT(readText(out / "summary.json"), HasSubstr("\"name\": \"mod\ufffd\ufffd\""));
   EXPECT_EQ(runKirireel({"verify", out.string()}).exitCode, 0);
   EXPECT_THAT(runKirireel({"inspect", model, "--json"}).out, HasSubstr("mod\ufffd\ufffd"));
-  // A name that the summary could not keep.
+  // A name that the summary cannot store.
   const ProgramEnd video = runKirireel({"record", model, "--video", "talk\xff.webm"});
   EXPECT_EQ(video.exitCode, 2);
   EXPECT_THAT(video.err,
@@ -69,7 +70,7 @@ TEST(AwkwardNames, AreShownInOneLine) {
   EXPECT_THAT(end.err, HasSubstr("/no/such??[31mmodel: error: there is no such"));
 }
 
-// A user may keep a large file on another disk. A link to anything else is not ours to replace.
+// A user may store a large file on another disk. Links to other types are not replaced.
 TEST(Links, ToARunsOwnFilesAreReplacedNotFollowed) {
   const TemporaryFolder scratch;
   const fs::path disk = scratch / "disk", out = scratch / "out";
@@ -96,14 +97,14 @@ TEST(Links, AreReplacedByOtherCommandsToo) {
   EXPECT_FALSE(fs::is_symlink(scratch / "sheet.fold"));
 }
 
-// The output folder itself may be one: who names it wants what it leads to.
+// The output folder may be a link. Files are then written to its target.
 TEST(Links, ToTheOutputFolderAreFollowed) {
   const TemporaryFolder scratch;
   fs::create_directory(scratch / "disk");
   fs::create_symlink(scratch / "disk", scratch / "out");
-  const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
-                                      "--out", (scratch / "out").string(), "--duration", "0.1",
-                                      "--path", "dynamic"});
+  const ProgramEnd end =
+      runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",
+                   (scratch / "out").string(), "--duration", "0.1", "--path", "dynamic"});
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_THAT(filesIn(scratch / "disk"), Contains("summary.json"));
 }
@@ -124,9 +125,10 @@ TEST(SceneTexts, AreNeverActedOn) {
     const ProgramEnd end = run(setting + std::string(" = '") + command + "'\n");
     EXPECT_EQ(end.exitCode, 2) << setting;
   }
-  const ProgramEnd titled = runKirireel({"record", shippedModel("tessellation_4x4").string(),
-                                         "--out", (scratch / "out").string(), "--duration", "0.1",
-                                         "--path", "dynamic", "--fps", "10", "--size", "160x120", "--title", command});
+  const ProgramEnd titled =
+      runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out",
+                   (scratch / "out").string(), "--duration", "0.1", "--path", "dynamic", "--fps",
+                   "10", "--size", "160x120", "--title", command});
   EXPECT_EQ(titled.exitCode, kEndedShort) << titled.err;
   EXPECT_FALSE(fs::exists(made));
 }

@@ -1,4 +1,4 @@
-// scripts/plot-sweep on tables as sweeps leave them.
+// scripts/plot-sweep on tables of sweeps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

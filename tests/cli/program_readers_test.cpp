@@ -13,7 +13,7 @@ using ::testing::Not;
 
 using test::kPython;
 
-/// Exports states of a run, its tiles joined in this style.
+/// Exports states of a run, with joints in this style.
 void exportAs(const std::string& run, const std::string& style, const std::string& out) {
   const ProgramEnd end = runKirireel({"export", run, "--format", "inp,msh,stl", "--states",
                                       "initial,final", "--joints", style, "--drive", "all",
@@ -28,7 +28,7 @@ std::string saidOfAll(const std::string& folder, const std::string& ending,
                         " 2>&1; done; true");
 }
 
-/// That meshio opens every deck, jobs included, and finds elements in it.
+/// meshio opens every deck, also jobs, and finds elements in it.
 void expectMeshioToOpen(const std::string& folder) {
   const std::string script =
       "import meshio, sys; mesh = meshio.read(sys.argv[1]); "

@@ -39,7 +39,7 @@ class Recording : public testing::Test {
 
 TEST_F(Recording, EndsWell) {
   EXPECT_EQ(end_.exitCode, 0) << end_.err;
-  EXPECT_EQ(end_.err, "");  // no progress line where there is no terminal
+  EXPECT_EQ(end_.err, "");  // no progress line without a terminal
   EXPECT_THAT(end_.out, MatchesRegex("tessellation_4x4: target reached, error [0-9.e-]+ m\n"
                                      "16 tiles, 24 joints, planar; kinematic path, no overlaps\n"
                                      "joints closed to [0-9.e-]+ m\n"
@@ -76,7 +76,7 @@ TEST_F(Recording, VideoIsWhatPlayersExpect) {
 
 TEST_F(Recording, LastFrameDecodesToTheLastPicture) {
   const int frames = summary_["video_frames"];
-  const int held = 15;  // --hold at both ends, for which there is one picture
+  const int held = 15;  // --hold at both ends, with one picture each
   const std::string last = path(fmt::format("frames/frame_{:05}.png", frames - 1 - 2 * held));
   const ProgramEnd psnr =
       runTool("ffmpeg", {"-v", "info", "-i", path("deployment.mp4"), "-i", last, "-lavfi",

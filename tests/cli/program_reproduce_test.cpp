@@ -1,4 +1,4 @@
-// scripts/reproduce on the models that come with the program.
+// scripts/reproduce on the shipped models.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

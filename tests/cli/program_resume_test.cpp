@@ -82,8 +82,7 @@ class ResumeOnTheWay : public testing::Test {
     return words;
   }
 
-  /// Runs until there is a checkpoint, then ends it by a signal. Returns what it printed on the
-  /// error stream.
+  /// Runs until a checkpoint exists, then sends a signal. Returns the error stream.
   std::string endBy(int signal, const std::vector<std::string>& words) const {
     RunningProgram program(words, {});
     EXPECT_TRUE(waitFor(out_ / ".unfinished/checkpoint/state.h5"));
@@ -103,7 +102,7 @@ TEST_F(ResumeOnTheWay, ContinuesFromTheLastCheckpoint) {
   EXPECT_FALSE(fs::exists(scratch_ / "whole/.unfinished"));
   EXPECT_EQ(endBy(SIGTERM, recordLongInto(out_)), "");
   EXPECT_TRUE(fs::exists(out_ / ".unfinished/checkpoint/state.h5"));
-  // A kill keeps the checkpoint.
+  // The checkpoint remains after a kill.
   const auto continues =
       testing::MatchesRegex("kirireel: continues at .* s from the checkpoint in .*\n");
   endBy(SIGKILL, recordLongInto(out_, {"--resume"}));

@@ -1,4 +1,4 @@
-// The scenes that come with the program, unattended: timelines, pins, drags, obstacles.
+// The shipped scenes: timelines, pins, drags, obstacles.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -40,7 +40,7 @@ class Scenes : public testing::Test {
     return simulate(shippedModel(model), options);
   }
 
-  /// Runs the model half way, then from the start through that state to the target, and compares
+  /// Runs the model half-way, then from the start through that state to the target, and compares
   /// the end with that of the direct path.
   double waypointDetour(const std::filesystem::path& model) {
     writeText(scratch_ / "half.toml", "[[timeline]]\nprogress = 0.5\nquit = true\n");
@@ -58,7 +58,7 @@ class Scenes : public testing::Test {
   TemporaryFolder scratch_;
 };
 
-/// How far the most tilted brick leans out of the start's plane, radians.
+/// The tilt of the most tilted brick out of the start's plane, radians.
 double largestTilt(const trajectory::Sample& sample) {
   double largest = 0;
   for (const Pose& pose : sample.poses) {
@@ -83,10 +83,10 @@ TEST_F(Scenes, PauseAndPinReachesTheDisk) {
 TEST_F(Scenes, AHandOpensTheFan) {
   const Simulated done = simulateScene("fan", "fan.toml");
   EXPECT_EQ(done.summary["outcome"], "settled");
-  // The open fan is singular: it comes to rest ever more slowly. Measured 3.8e-5.
+  // The open fan is singular: its approach to rest becomes slower and slower. Measured 3.8e-5.
   EXPECT_LT(done.summary["accuracy"]["target_error_end"], 1e-4);
   // Only the drag moves the corner tile. The pinned one stays.
-  const trajectory::Sample& dragged = done.run.samples[120];  // as it lets go
+  const trajectory::Sample& dragged = done.run.samples[120];  // at its release
   const trajectory::Sample& start = done.run.samples.front();
   const Vector3 hand(2.5, -0.17, 0.01);
   EXPECT_LT((dragged.poses[35].position - hand).norm(),

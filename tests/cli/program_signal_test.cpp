@@ -12,7 +12,8 @@
 namespace kirireel {
 namespace {
 
-/// Records into `out`, sends the signal once `sign` is there, and expects a video of what was done.
+/// Records into `out`, sends the signal when the file `sign` exists, and expects a video up to this
+/// time.
 void expectInterruptedVideo(int signal, const std::string& sign,
                             const std::vector<std::string>& options) {
   const TemporaryFolder scratch;
@@ -37,7 +38,7 @@ void expectInterruptedVideo(int signal, const std::string& sign,
   EXPECT_EQ(std::stoi(probe.out), summary["video_frames"]);
 }
 
-// Too many frames to wait for: heavy damping keeps the bricks on their way for all of the time.
+// Too many frames to wait for: with heavy damping, the bricks move all the time.
 const std::vector<std::string> kLongPainting = {"--fps", "240", "--force-damping", "1e6"};
 // Too many steps to wait for.
 const std::vector<std::string> kLongDeployment = {"--solver", "bullet", "--substeps", "10000"};

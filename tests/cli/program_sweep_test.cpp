@@ -97,7 +97,7 @@ TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
   EXPECT_THAT(sweep(text).out, HasSubstr("0 runs done"));
   writeRock("10.5");
   EXPECT_THAT(sweep(text).out, HasSubstr("2 runs done"));
-  // What a setting was by itself does not make another run.
+  // The name of a varied setting does not make another run.
   EXPECT_THAT(sweep(text + "timestep = [0.0041666666666666666]\n").out, HasSubstr("0 runs done"));
 }
 
@@ -258,7 +258,7 @@ TEST_F(SweepProgram, ShardOutOfRange) {
 
 TEST_F(SweepProgram, FolderThatCannotBeWritten) {
   writeText(folder_ / "sweep.toml", kSix);
-  // Not even the superuser can make folders here.
+  // Even root cannot make folders here.
   const ProgramEnd end =
       runKirireel({"sweep", (folder_ / "sweep.toml").string(), "--out", "/proc/kirireel"});
   EXPECT_EQ(end.exitCode, 1);

@@ -1,4 +1,4 @@
-// Reports about targets that cannot be reached, and about moved starts.
+// Reports about unreachable targets, and about moved starts.
 #include <algorithm>
 #include <filesystem>
 

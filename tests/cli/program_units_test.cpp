@@ -1,4 +1,4 @@
-// The same sheet in several units leaves the same files for other programs.
+// The same sheet in several units gives the same files for other programs.
 #include <cmath>
 #include <regex>
 #include <sstream>
@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Squares of 20 mm that deploy, as the folder of a model in a unit.
+/// Squares of 20 mm, as a model folder in a unit.
 void writeSquares(const fs::path& folder, double millimetre) {
   fs::create_directories(folder);
   std::ostringstream vertices;
@@ -40,8 +40,8 @@ void writeSquares(const fs::path& folder, double millimetre) {
   writeText(folder / "constraints.txt", joints.str());
 }
 
-/// All numbers of a text; of a deck those of its nodes. Comments are figures of a run, and rounding
-/// decides which of two equal nodes is in a set.
+/// All numbers of a text; of a deck, only those of its nodes. Comments have figures of a run, and
+/// rounding decides which of two equal nodes is in a set.
 std::vector<double> numbersOf(std::string text) {
   std::vector<double> numbers;
   text = text.substr(0, text.find("*ELEMENT"));

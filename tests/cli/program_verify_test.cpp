@@ -1,4 +1,4 @@
-// A finished run's files, checked by the program itself.
+// `verify` on finished runs.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -70,15 +70,15 @@ TEST_F(Verify, ReportsWhatIsWrong) {
   writeText(folder() / "final.obj", whole);
 }
 
-/// Replaces a text in the summary, and seals it again.
+/// Replaces a text in the summary, and renews its seal.
 void falsify(const std::filesystem::path& file, const std::string& from, const std::string& to) {
   std::string text = readText(file);
   text.replace(text.find(from), from.size(), to);
   writeText(file, output::sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
 }
 
-/// What of a summary cannot be computed again: what the run cost this machine, and the files, whose
-/// hashes prove them.
+/// Parts of a summary that cannot be computed again: the cost of the run on this machine, and the
+/// files, which have hashes.
 bool isOutsideTheRun(const std::string& pointer) {
   for (const char* part : {"/cost/cpu_seconds", "/cost/wall_seconds", "/cost/peak_memory",
                            "/contents/", "/versions/"}) {
@@ -87,7 +87,7 @@ bool isOutsideTheRun(const std::string& pointer) {
   return false;
 }
 
-// Finds every figure that is changed, one at a time, in a summary that is sealed again.
+// Finds every changed figure, one at a time, in a summary with a new seal.
 TEST_F(Verify, FindsEachFigureThatIsFalsified) {
   const std::filesystem::path file = folder() / "summary.json";
   const std::string whole = readText(file);
@@ -148,7 +148,7 @@ TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
   writeText(folder() / "summary.json", summary);
 }
 
-// A sheet on necks that give: what its ligaments hold is computed again from the file.
+// A sheet on compliant necks: the energy of its ligaments is computed again from the file.
 TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   const TemporaryFolder scratch;
   const std::string model = scratch / "sheet", run = scratch / "run",
@@ -180,8 +180,8 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   EXPECT_TRUE(record::verifyRun(run).complaints.empty());
 }
 
-// Tiles that bend under their weight: what their diagonals hold is in the summary, and verify finds
-// the same of it and of overlaps, which parts of a tile do not count in.
+// Tiles that bend under their weight: the summary has the energy of their diagonals. verify finds
+// the same energy and the same overlaps. Parts of one tile do not overlap.
 TEST(VerifyBendingTiles, AgreesWithTheirRun) {
   const TemporaryFolder scratch;
   const std::string run = scratch / "run";
@@ -203,7 +203,7 @@ TEST(VerifyBendingTiles, AgreesWithTheirRun) {
   EXPECT_EQ(verified.exitCode, 0) << verified.out;
 }
 
-// Bars hold most of the energy of tiles under grips. Poses do not show it.
+// Most of the energy of tiles under grips is in bars. Poses do not contain it.
 TEST(VerifyBendingTiles, AgreesWithTheirEquilibriaUnderGrips) {
   const TemporaryFolder scratch;
   const std::string model = scratch / "two.fold", scene = scratch / "scene.toml",

@@ -22,7 +22,7 @@ void redirect(int stream, const fs::path& file) {
   ::dup2(opened, stream);
 }
 
-/// What the child does between fork and the program.
+/// The child between fork and exec.
 [[noreturn]] void becomeProgram(std::vector<char*> words, const ProgramSetting& setting,
                                 const fs::path& prints) {
   redirect(STDOUT_FILENO, setting.output.empty() ? prints / "out" : setting.output);
@@ -97,7 +97,7 @@ Json lastingSummary(const fs::path& folder) {
 
 std::vector<std::string> filesIn(const fs::path& folder) {
   std::vector<std::string> names;
-  // A program that is still running may take folders away meanwhile.
+  // A running program may remove folders at the same time.
   std::error_code ignored;
   for (fs::recursive_directory_iterator entry(folder, ignored), end; entry != end;
        entry.increment(ignored)) {

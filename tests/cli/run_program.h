@@ -17,26 +17,26 @@ namespace kirireel {
 using test::TemporaryFolder;
 using test::writeText;
 
-/// What a finished program leaves.
+/// Results of a finished program.
 struct ProgramEnd {
   int exitCode = -1;  ///< minus the signal's number when a signal ended it
   std::string out;
   std::string err;
 };
 
-/// The exit code of a run whose time is up before it is at its target, as short runs' is.
+/// The exit code of a run that ends before its target because of its duration, as short runs do.
 inline constexpr int kEndedShort = 3;
 
-/// How a program is run.
+/// Settings for running a program.
 struct ProgramSetting {
   std::filesystem::path folder = ".";         ///< its current folder
-  std::optional<rlim_t> largestFile = {};     ///< bytes; writes beyond fail as on a full disk
+  std::optional<rlim_t> largestFile = {};     ///< bytes; more fails as on a full disk
   std::optional<rlim_t> mostMemory = {};      ///< bytes of its address space
-  std::filesystem::path output = {};          ///< where standard output goes; empty: kept
+  std::filesystem::path output = {};          ///< of standard output; empty: kept
   std::string executable = KIRIREEL_PROGRAM;  ///< or another program, found on the path
 };
 
-/// A program that runs at the same time as the test.
+/// A program that runs in parallel with the test.
 class RunningProgram {
  public:
   RunningProgram(const std::vector<std::string>& arguments, const ProgramSetting& setting);
@@ -48,7 +48,7 @@ class RunningProgram {
   ProgramEnd wait();
 
  private:
-  TemporaryFolder folder_;  ///< holds what the program prints
+  TemporaryFolder folder_;  ///< output of the program
   pid_t process_ = -1;
 };
 
@@ -59,10 +59,10 @@ ProgramEnd runKirireel(const std::vector<std::string>& arguments,
 /// Runs another program to its end; its exit code is 127 when there is no such program.
 ProgramEnd runTool(const std::string& name, const std::vector<std::string>& arguments);
 
-/// Waits until this file exists, a minute at most; false if it then does not.
+/// Waits for this file for at most a minute. Returns whether it exists.
 bool waitFor(const std::filesystem::path& file);
 
-/// A run's summary without what may differ between equal runs.
+/// A run's summary without the parts that may differ between equal runs.
 Json lastingSummary(const std::filesystem::path& folder);
 
 /// The names of all files in a folder and below, sorted, relative to it.
@@ -71,7 +71,7 @@ std::vector<std::string> filesIn(const std::filesystem::path& folder);
 /// The whole content of a file; "" when it cannot be read.
 std::string readText(const std::filesystem::path& file);
 
-/// A model folder that ships with the program.
+/// A shipped model folder.
 std::filesystem::path shippedModel(const std::string& name);
 
 }  // namespace kirireel

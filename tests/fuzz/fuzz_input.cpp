@@ -20,9 +20,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kSeparator = "%%\n";
-// Of a message: the file's name and a sentence or two, with short pieces of the input in it.
+// Largest length of a message: the file's name and a sentence or two, with short parts of the
+// input.
 constexpr std::size_t kLongestMessage = 1000;
-// Of an input, under sanitizers. By the processor's clock: others may be at work on the machine.
+// Largest CPU time of an input, under sanitizers. Wall time depends on other programs.
 constexpr double kMostSeconds = 1;
 
 class Folder {
@@ -96,8 +97,8 @@ const fs::path& folder() {
 }
 
 void place(const std::string& name, std::string_view text) {
-  // Mutated inputs have most of their parts in common, and a file that keeps its pages is cheaper
-  // than a new one. This is most of the cost of an execution.
+  // Mutated inputs have most parts in common, and overwriting a file is faster than a new one. This
+  // is most of the cost of an execution.
   static std::map<std::string, std::string> placed;
   const auto [known, isNew] = placed.try_emplace(name, text);
   if (!isNew && known->second == text && ::access((folder() / name).c_str(), F_OK) == 0) return;

@@ -1,4 +1,4 @@
-/// What all fuzz targets share: a place for the input's files, and what a reader may throw.
+/// Shared by all fuzz targets: a folder for the input's files, and the allowed errors.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 #include "sim/model/model.h"
 
-/// libFuzzer's entry point, which every target defines: reads one input. What ends the process is a
-/// fault of the reader.
+/// libFuzzer's entry point, which every target defines: reads one input. A reader that ends the
+/// process is faulty.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
 
 namespace kirireel::fuzz {
@@ -31,12 +31,12 @@ void place(const std::string& name, std::string_view text);
 /// without a part in the input.
 void placeParts(std::span<const char* const> names, std::string_view input);
 
-/// Calls a reader. It may throw Kirireel's errors, each one short line; anything else ends the
-/// process, and so does a second or more of the processor's time.
+/// Calls a reader. It may throw Kirireel's errors, each one short line. Anything else ends the
+/// process, and so does CPU time of a second or more.
 void read(const std::function<void()>& reader);
 
-/// Ends the process unless a model that was read has all that others rely on: tiles that enclose
-/// something, and joints, targets, pulled tiles and a hull that name what is there.
+/// Ends the process unless a model is valid: tiles enclose areas, and joints, targets, pulled tiles
+/// and hull refer to existing tiles.
 void requireSound(const model::Model& model);
 
 }  // namespace kirireel::fuzz

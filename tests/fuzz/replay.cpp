@@ -1,4 +1,4 @@
-// Reads every file of the given folders through the fuzz target that it is linked with.
+// Reads every file of the given folders with the linked fuzz target.
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -20,7 +20,7 @@ std::vector<fs::path> inputsIn(const fs::path& folder) {
 }
 
 void replay(const fs::path& input) {
-  // An input that ends the process is the last one named.
+  // If the process ends, the last named input is the cause.
   std::printf("%s\n", input.c_str());
   std::fflush(stdout);
   std::ifstream stream(input, std::ios::binary);

@@ -1,4 +1,4 @@
-// The summary.json of a run: as it is, and under a seal that fits it.
+// The summary.json of a run: unchanged, and with a matching seal.
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/generate/lattice.h"

@@ -1,10 +1,10 @@
-// A trajectory.h5: everything but the poses, then those of the first and the last sample.
+// A trajectory.h5: all except the poses, then those of the first and the last sample.
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/fuzz/fuzz_input.h"
 
 using namespace kirireel;
 
-/// Read by the sanitizer: HDF5 forgets some of what it set aside for a file that it then refuses.
+/// For the sanitizer: HDF5 leaks some memory for a file that it refuses.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libhdf5";
 }

@@ -23,7 +23,7 @@ GoldenScene openingScene(const std::string& name, const generate::TessellationSh
   const std::vector<model::Tile> tiles = generate::tessellationTiles(shape, angle);
   scene.poses = brick::startPoses(tiles, brick::makeBricks(tiles, rule));
   for (std::size_t k = 0; k < scene.poses.size(); ++k) {
-    // How far the tile's first side has turned since the start.
+    // The rotation of the tile's first side since the start.
     const Vector3 now = tiles[k].vertices[1] - tiles[k].vertices[0];
     const Vector3 start = scene.content.bricks[k].bottom[1] - scene.content.bricks[k].bottom[0];
     const double turn = std::atan2(now.y(), now.x()) - std::atan2(start.y(), start.x());
@@ -33,7 +33,7 @@ GoldenScene openingScene(const std::string& name, const generate::TessellationSh
   return scene;
 }
 
-/// Bricks that started flat and are on their way to a target farther out.
+/// Bricks between a flat start and a target farther out.
 GoldenScene brickScene(const std::string& name, const SampleBricks& sample, const Poses& start) {
   GoldenScene scene{name, {}, sample.poses};
   scene.content.bricks = sample.bricks;
@@ -49,7 +49,7 @@ GoldenScene brickScene(const std::string& name, const SampleBricks& sample, cons
   return scene;
 }
 
-/// Bricks turned all ways at these shares of their distances.
+/// Bricks in many rotations, at these fractions of their distances.
 GoldenScene turnedScene(const std::string& name, double share) {
   SampleBricks sample = tumbledBricks();
   for (Pose& pose : sample.poses) pose.position *= share;
@@ -58,8 +58,8 @@ GoldenScene turnedScene(const std::string& name, double share) {
   return brickScene(name, sample, start);
 }
 
-/// A sheet of 8 x 6 squares whose bricks lie on a surface given by the position and rotation of
-/// each turned.
+/// A sheet of 8 x 6 squares whose bricks lie on a surface, which is a function of the position and
+/// rotation of each.
 template <typename Surface>
 GoldenScene bentScene(const std::string& name, const Surface& surface) {
   std::vector<model::Tile> tiles;

@@ -15,7 +15,7 @@ struct GoldenScene {
   Poses poses;
 };
 
-/// Squares and rectangles half open, bricks turned all ways, bricks that cross, a sheet bent to
+/// Squares and rectangles half open, bricks in many rotations, bricks that cross, a sheet bent to
 /// half a cylinder, and one bent to a cap.
 std::vector<GoldenScene> goldenScenes();
 
@@ -26,7 +26,7 @@ struct GoldenLook {
   std::vector<int> pinned;
 };
 
-/// Every style that there is, each once.
+/// All styles.
 std::vector<GoldenLook> goldenLooks();
 
 }  // namespace kirireel::test

@@ -23,9 +23,9 @@ namespace fs = std::filesystem;
 constexpr picture::FrameSize kCell = {240, 180};
 constexpr picture::GridShape kSheet = {4, 5};
 
-/// On the machine that made them the pictures are equal byte by byte. Elsewhere borders may fall on
-/// other samples and letters come from another FreeType: in each cell of a sheet, the mean
-/// difference in levels, and the part of the pixels that differ by more than 40.
+/// On the machine that made them the pictures are equal byte by byte. Elsewhere borders may be on
+/// other samples and letters may come from another FreeType. Limits per cell of a sheet: the mean
+/// difference in levels, and the fraction of pixels that differ by more than 40.
 constexpr double kMeanTolerance = 0.3;
 constexpr double kShareTolerance = 0.003;
 
@@ -33,7 +33,7 @@ fs::path inRepository(const std::string& file) {
   return fs::path(KIRIREEL_SOURCE_DIR) / file;
 }
 
-/// A part of a picture, pixels; the right column and the lowest row are not in it.
+/// A part of a picture, pixels, without its right column and lowest row.
 struct Part {
   std::string name;
   int left = 0, upper = 0, right = 0, lower = 0;
@@ -60,8 +60,8 @@ bool alike(const picture::Frame& a, const picture::Frame& b, const Part& part) {
   return mean < kMeanTolerance && share < kShareTolerance;
 }
 
-/// Compares with the picture in the repository, or replaces it on request. A picture
-/// that differs stays next to the test's other files.
+/// Compares with the picture in the repository, or replaces it on request. A different picture is
+/// written to the test's output.
 void expectGolden(const picture::Frame& frame, const std::string& file,
                   const std::vector<Part>& parts) {
   const fs::path golden = inRepository(file);
@@ -106,7 +106,7 @@ TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, GoldenSheet, testing::Range(0, 6));
 
-/// The pictures on the front page are what the program makes.
+/// The pictures in the README are those of the program.
 TEST(ReadmePictures, AreWhatTheProgramMakes) {
   const test::TemporaryFolder folder;
   scene::Scene scene;

@@ -1,4 +1,4 @@
-// The boundaries between modules and the rules of the code, read off the sources themselves.
+// The boundaries between modules and the rules of the code, checked in the sources.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -83,7 +83,7 @@ std::set<std::string> usersOf(const std::string& headerPattern) {
 constexpr const char* kBullet = "(bt[A-Z]|Bullet|LinearMath|bullet/).*";
 
 TEST(Boundaries, SourcesAreFound) {
-  // Otherwise everything below would hold of nothing.
+  // Otherwise all checks below would pass.
   EXPECT_GT(sources().size(), 50U);
   EXPECT_THAT(uses("sim/base/", "sim/base/error\\.h"), testing::Not(IsEmpty()));
 }
@@ -113,7 +113,7 @@ TEST(Boundaries, NoUnitsIncludeEachOther) {
       if (unitOf(header) != unitOf(file.path)) included[unitOf(file.path)].insert(unitOf(header));
     }
   }
-  // What each unit reaches grows until nothing is added.
+  // Adds what each unit reaches until nothing changes.
   std::map<std::string, std::set<std::string>> reached = included;
   for (bool grows = true; grows;) {
     grows = false;
@@ -130,7 +130,7 @@ TEST(Boundaries, NoUnitsIncludeEachOther) {
   for (const auto& [unit, others] : reached) EXPECT_FALSE(others.contains(unit)) << unit;
 }
 
-// What the three main jobs do not need can change, or go, without them.
+// Modules that the three main jobs do not need can change independently.
 TEST(Boundaries, LeavesAreIncludedByFewModules) {
   const std::map<std::string, std::set<std::string>> allowed = {{"sim/generate/", {"sim/study/"}},
                                                                 {"sim/path/", {"sim/deploy/"}},
@@ -188,8 +188,8 @@ TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
 
 TEST(Boundaries, SimulationHasNoOptionalLibraries) {
   EXPECT_THAT(usersOf("(chipmunk|box2d|mujoco)/.*"), IsEmpty());
-  // A branch for a build without a library is one that nobody compiles. Conditions on libraries
-  // that are there, and on the processor, are listed.
+  // Nobody compiles a branch for a build without a library. Conditions on existing libraries, and
+  // on the processor, are listed.
   const std::regex condition("# *(?:if|ifdef|ifndef|elif|elifdef|elifndef)\\b[^\n]*");
   std::vector<std::string> found;
   for (const SourceFile& file : sources()) {
@@ -284,7 +284,7 @@ TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
   EXPECT_THAT(starters, testing::ElementsAre("render/fea/outside_program.cpp"));
 }
 
-// A name that the system cannot look up must not end in its exception.
+// A name that the system refuses must not end in its exception.
 TEST(Boundaries, NamesAreLookedUpWithoutExceptions) {
   const std::regex throwing("\\b(fs|filesystem)::(exists|is_\\w+)\\([^;{]*\\)");
   const std::regex quiet("status|error|ignored");
@@ -320,13 +320,13 @@ TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
   }
   EXPECT_THAT(opening, testing::UnorderedElementsAre(
                            "sim/base/files.cpp", "sim/base/files.h",
-                           "sim/trajectory/array_file.cpp",    // once it was opened there
+                           "sim/trajectory/array_file.cpp",    // after it was opened there
                            "render/cli/sweep_command.cpp",     // to write messages
                            "render/output/output_folder.cpp",  // to lock a folder
                            "render/picture/label.cpp",         // the system's font
-                           "render/picture/png.cpp",           // to write, and what was written
+                           "render/picture/png.cpp",           // to write, and written files
                            "render/sweep/collect.cpp",         // to lock
-                           "render/picture/video.cpp"));       // what it wrote itself
+                           "render/picture/video.cpp"));       // its own files
 }
 
 TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
@@ -339,7 +339,7 @@ TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
   }
 }
 
-/// "sim/mechanics" of "sim/mechanics/joint_solver.h"; empty for what is in no module.
+/// "sim/mechanics" for "sim/mechanics/joint_solver.h"; empty for files outside modules.
 std::string moduleOf(const std::string& path) {
   static const std::regex pattern("((sim|render)/[^/]+)/.*");
   std::smatch match;
@@ -360,7 +360,7 @@ std::vector<std::string> modules() {
   return found;
 }
 
-/// A library of a module, and what it links.
+/// A library of a module, and its links.
 struct Library {
   std::string module;
   std::set<std::string> links;
@@ -409,7 +409,7 @@ TEST(Boundaries, ModulesIncludeAndLinkOnlyModulesAboveThem) {
   }
 }
 
-/// The modules of what a module's libraries link, and of what that links in turn.
+/// The modules that a module links, directly or through others.
 std::set<std::string> modulesWithinReach(const std::string& module) {
   const std::map<std::string, Library> all = libraries();
   std::vector<std::string> open;
@@ -485,7 +485,7 @@ struct Block {
   std::string scope = {};  ///< the names of the blocks around it, with :: after each
 };
 
-/// What a block is, by the words before its brace.
+/// The kind of a block, by the words before its brace.
 Block blockAfter(const std::string& words, Block::Kind around) {
   static const std::regex space("\\s*(inline )?namespace( ?[\\w:]*)\\s*");
   static const std::regex type(
@@ -590,7 +590,7 @@ TEST(Boundaries, TypesHaveNamesOfTheirOwn) {
   for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
 }
 
-/// What a page names between backquotes.
+/// Words of a page between backquotes.
 std::vector<std::string> namesIn(const std::string& page) {
   static const std::regex quoted("`([^`\n]+)`");
   const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / page);

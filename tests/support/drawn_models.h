@@ -1,4 +1,4 @@
-/// Members of all families of models, drawn at random.
+/// Random members of all families of models.
 #pragma once
 
 #include <algorithm>
@@ -14,14 +14,14 @@
 
 namespace kirireel {
 
-/// A member of a family, and how it is made again.
+/// A member of a family, with its command.
 struct DrawnModel {
   model::Model model;
   double thickness = 0;  ///< of its bricks, in tiles: 0.002 to 0.1
   std::string name;      ///< e.g. "cylinder rows=3 width=0.71"
 };
 
-/// Draws members of all families in turn, the same ones for the same seed on any machine.
+/// Draws members of all families in turn, the same ones for a seed on any machine.
 class DrawnModels {
  public:
   /// Members have at most so many tiles.
@@ -42,7 +42,7 @@ class DrawnModels {
         const double thickness = 0.002 * std::pow(50, share());
         if (model.tiles.size() <= mostTiles_) return {std::move(model), thickness, name};
       } catch (const InputError&) {
-        // No sheet has these parameters: others are drawn.
+        // Parameters without a sheet: others are drawn.
       }
     }
   }
@@ -53,7 +53,7 @@ class DrawnModels {
 
   double draw(const generate::FamilyParameter& parameter) {
     if (parameter.name == "seed") return 1 + std::floor(1e6 * share());
-    // Half of the sheets are closed at their start.
+    // Half of the sheets are closed at the start.
     if (parameter.name == "start-angle" && share() < 0.5) return parameter.defaultValue;
     if (parameter.unit == "DEGREES") return drawAngle(parameter);
     const double low = std::max(parameter.least, parameter.defaultValue / 3);

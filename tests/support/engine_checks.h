@@ -1,4 +1,4 @@
-// What every engine must do with bricks, by closed forms and by the direct solver at short steps.
+// Checks of every engine by closed forms and by the direct solver at short steps.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -17,7 +17,7 @@ inline void writeText(const std::filesystem::path& file, const std::string& text
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// A new empty folder that goes away with everything in it.
+/// A new empty folder, which is removed with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -32,7 +32,7 @@ inline generate::TessellationShape squares(int columns, int rows, double angle) 
   return shape;
 }
 
-/// The model's start, turned about z.
+/// The model's start, rotated about z.
 inline model::Model turned(model::Model model, double degrees) {
   const Quaternion turn = rotationFromVector({0, 0, degrees * kDegree});
   for (model::Tile& tile : model.tiles) {

@@ -1,4 +1,4 @@
-// Forces between pairs of bricks, as tests make them.
+// Pair forces for tests.
 #pragma once
 
 #include <memory>

@@ -31,7 +31,7 @@ inline model::Tile starShape(int tips, double outer, double inner, double x = 0,
   return star;
 }
 
-/// A polygon that goes once round the origin in steps of random length and radius.
+/// A polygon around the origin in steps of random length and radius.
 inline model::Tile randomStar(std::mt19937& random, int corners) {
   std::uniform_real_distribution<double> share(0.2, 1);
   std::vector<double> steps;
@@ -73,8 +73,8 @@ inline double distanceToSegment(const Vector3& p, const Vector3& a, const Vector
   return (p - a - share * along).norm();
 }
 
-/// The distance of two polygons' outlines in the plane, metres; 0 where they cross. Brute force
-/// over all sides.
+/// The distance of two polygons' outlines in the plane, metres; 0 if they cross. Brute force over
+/// all sides.
 inline double outlineDistance(const model::Tile& s, const model::Tile& t) {
   double least = std::numeric_limits<double>::max();
   const std::size_t m = s.vertices.size(), n = t.vertices.size();
@@ -92,8 +92,7 @@ inline double outlineDistance(const model::Tile& s, const model::Tile& t) {
   return least;
 }
 
-/// How deep corners of either polygon reach into the other, metres: their distance from its
-/// outline.
+/// The depth of corners of either polygon in the other, metres: their distance from its outline.
 inline double cornerDepth(const model::Tile& s, const model::Tile& t) {
   double deepest = 0;
   for (const auto& [one, other] : {std::pair{&s, &t}, std::pair{&t, &s}}) {

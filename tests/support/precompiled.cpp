@@ -1,1 +1,1 @@
-// Gives the precompiled header of tests/CMakeLists.txt a program to belong to.
+// A program for the precompiled header of tests/CMakeLists.txt.

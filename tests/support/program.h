@@ -9,7 +9,7 @@
 
 namespace kirireel::test {
 
-/// The Python that Debian's packages are for.
+/// The Python with Debian's packages.
 inline constexpr const char* kPython = "/usr/bin/python3";
 
 /// Whether the shell finds this program.
@@ -17,7 +17,7 @@ inline bool hasProgram(const std::string& name) {
   return std::system(fmt::format("command -v {} > /dev/null 2>&1", name).c_str()) == 0;
 }
 
-/// The standard output of a shell command, its error stream left out; empty when it fails.
+/// The standard output of a shell command without its error stream; empty if it fails.
 inline std::string outputOf(const std::string& command) {
   std::FILE* pipe = ::popen((command + " 2> /dev/null < /dev/null").c_str(), "r");
   if (pipe == nullptr) return {};

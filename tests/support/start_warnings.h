@@ -1,4 +1,4 @@
-/// What `export` warns of at the start of a scene.
+/// Warnings of `export` at the start of a scene.
 #pragma once
 
 #include <string>

@@ -21,7 +21,7 @@ b2Vec2 toBox2d(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y())};
 }
 
-/// The rate of a velocity that loses this part of itself a second.
+/// The rate of a velocity that loses this fraction per second.
 float dampingRate(double lost) {
   return static_cast<float>(-std::log1p(-lost));
 }
@@ -59,7 +59,7 @@ class Box2dWorld : public engines::BrickWorld {
       const Eigen::AngleAxisd turn(body.GetAngle(), Vector3::UnitZ());
       motion.poses[k].position = {body.GetPosition().x, body.GetPosition().y,
                                   start_[k].position.z()};
-      // In the plane only the turn about z changes.
+      // In the plane only the rotation about z changes.
       motion.poses[k].rotation = turn * start_[k].rotation;
       const b2Vec2 speed = body.GetLinearVelocity();
       motion.velocities[k].linear = {speed.x, speed.y, 0};
@@ -67,7 +67,7 @@ class Box2dWorld : public engines::BrickWorld {
     }
   }
 
-  // A body's angle is the turn about z since the start.
+  // A body's angle is the rotation about z since the start.
   void writeMotion(const Motion& motion) override {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       b2Body& body = *bodies_[k];
@@ -80,7 +80,7 @@ class Box2dWorld : public engines::BrickWorld {
   }
 
  private:
-  /// A body without a shape, since nothing collides: its mass is set.
+  /// A body without a shape, because nothing collides. Its mass is set.
   void addBrick(const brick::Brick& brick, const Pose& start,
                 const scene::Environment& environment) {
     b2BodyDef definition;
@@ -97,7 +97,7 @@ class Box2dWorld : public engines::BrickWorld {
     bodies_.back()->SetMassData(&mass);
   }
 
-  /// A body's angle is 0 at the start, so its axes are the world's as they were then.
+  /// A body's angle is 0 at the start, so its axes are the world's axes of the start.
   void addPivot(const brick::Pivot& pivot) {
     b2RevoluteJointDef definition;
     definition.bodyA = bodies_[pivot.brickA];

@@ -12,7 +12,7 @@ namespace {
 
 static_assert(sizeof(cpFloat) == sizeof(double), "Chipmunk must be built in double precision");
 
-// Chipmunk frees what it made with one function for each kind of thing.
+// Chipmunk has a function to free each type.
 template <auto Free>
 struct Deleter {
   template <typename T>
@@ -44,7 +44,7 @@ class ChipmunkWorld : public engines::BrickWorld {
     }
   }
 
-  // A space must not hold what is freed.
+  // An object must leave its space before it is freed.
   ~ChipmunkWorld() override {
     for (const JointOfBodies& joint : joints_) cpSpaceRemoveConstraint(space_.get(), joint.get());
     for (const Body& body : bodies_) cpSpaceRemoveBody(space_.get(), body.get());
@@ -99,7 +99,7 @@ class ChipmunkWorld : public engines::BrickWorld {
     cpSpaceAddConstraint(space_.get(), joints_.back().get());
   }
 
-  /// A body's angle is 0 at the start, so its axes are the world's as they were then.
+  /// A body's angle is 0 at the start, so its axes are the world's axes of the start.
   cpVect anchor(int brick, const Vector3& point) const {
     return toChipmunk(start_[brick].rotation * point);
   }

@@ -22,11 +22,11 @@
 namespace kirireel::bench {
 namespace {
 
-// Loops are as hard as MuJoCo lets them be: they close within two steps, which is the soonest that
-// it allows for, and hardly give.
+// Loops are as stiff as MuJoCo allows: they close within two steps, the minimum, and are hardly
+// compliant.
 constexpr double kSoonClosed = 1e-5;
 constexpr double kHard = 0.9999;
-// Velocities that are written are what a push of so many seconds gives.
+// Written velocities are those of a push of so many seconds.
 constexpr double kPush = 1e-3;
 
 template <auto Free>
@@ -43,7 +43,7 @@ std::string vectorWords(const Vector3& v) {
   return fmt::format("{} {} {}", v.x(), v.y(), v.z());
 }
 
-/// Two bricks and the pivots that they share: one, or two that span an axis.
+/// Two bricks and their common pivots: one, or two that span an axis.
 struct PivotsOfPair {
   int a = 0;
   int b = 0;
@@ -80,7 +80,7 @@ class MujocoText {
         children_(bricks.size()),
         isPlaced_(bricks.size(), false) {}
 
-  // Each brick that no tree has reached yet is the root of another.
+  // Each brick that is not in a tree yet is the root of another one.
   std::string write() {
     std::string bodies;
     for (std::size_t k = 0; k < bricks_.size(); ++k) {
@@ -110,7 +110,7 @@ class MujocoText {
            "<joint type=\"hinge\" axis=\"0 0 1\"/>";
   }
 
-  /// Finds the tree that hangs on a brick, and writes what closes its loops.
+  /// Finds the tree below a brick, and writes the constraints that close its loops.
   void spanFrom(int root) {
     std::vector<bool> isUsed(pairs_.size(), false);
     std::deque<int> waiting = {root};
@@ -143,7 +143,7 @@ class MujocoText {
     }
   }
 
-  /// Bodies are turned as the world at the start.
+  /// Bodies have the world's rotation at the start.
   std::string bodyText(int brick, const Vector3& parent, const std::string& joints) const {
     const Vector3 place = start_[brick].position;
     const Matrix3 turn = start_[brick].rotation.toRotationMatrix();
@@ -160,7 +160,7 @@ class MujocoText {
     return text + "</body>";
   }
 
-  // A hinge about the line through two pivots, a ball at one, in the plane a turn about z.
+  // A hinge about the line through two pivots, a ball at one. In the plane a rotation about z.
   std::string jointText(const Child& child) const {
     const PivotsOfPair& pair = pairs_[child.pair];
     const auto pointOf = [&](const brick::Pivot& pivot) {
@@ -186,7 +186,7 @@ class MujocoText {
 };
 
 MujocoModel readModelText(const std::string& text) {
-  // Of the size of hundreds of kilobytes, so not on the stack.
+  // Hundreds of kilobytes, so not on the stack.
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   constexpr const char* kName = "bricks.xml";
@@ -209,7 +209,7 @@ class MujocoWorld : public engines::BrickWorld {
         environment_(environment),
         model_(readModelText(MujocoText(bricks, start, pivots, environment, planar).write())),
         data_(mj_makeData(model_.get())) {
-    mju_user_warning = [](const char*) {};  // else they go to a file where the program runs
+    mju_user_warning = [](const char*) {};  // else they are written to a file in the current folder
     for (std::size_t k = 0; k < bricks.size(); ++k) {
       bodies_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", k).c_str()));
     }
@@ -245,7 +245,7 @@ class MujocoWorld : public engines::BrickWorld {
     }
   }
 
-  /// Of the motion that was read last nothing needs to be written.
+  /// The motion that was read last need not be written.
   void writeMotion(const Motion& motion) override {
     if (data_->time > 0) return;
     const mjtNum gravity[3] = {model_->opt.gravity[0], model_->opt.gravity[1],
@@ -282,8 +282,8 @@ class MujocoWorld : public engines::BrickWorld {
 
   /// The damping of the environment. MuJoCo has only damping of joints.
   void damp() {
-    // The rate whose exponential loses that part in a second. It acts explicitly, which is enough
-    // for the small rates of studies.
+    // The rate whose exponential loses this fraction per second. It acts explicitly, which is
+    // enough for the small rates of studies.
     const double linear = -std::log1p(-environment_.linearDamping);
     const double angular = -std::log1p(-environment_.angularDamping);
     if (linear == 0 && angular == 0) return;

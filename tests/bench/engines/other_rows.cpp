@@ -40,7 +40,7 @@ std::unique_ptr<engines::BrickWorld> mujocoWorld(const Method& /*method*/,
                          scene.environment, scene::sceneNeeds(scene).planar.on);
 }
 
-/// With 20 substeps it rattles in the closed state.
+/// With 20 substeps it oscillates in the closed state.
 Method chipmunkBaseline() {
   return {kChipmunk, 240, 4, 50};
 }

@@ -20,7 +20,7 @@ const std::vector<study::Study>& otherStudies();
 /// two machines do not compare.
 void requireComparable(const study::Table& own, study::Extent extent);
 
-/// The same study, its findings those of its own engines, against rows of ours in `own`.
+/// The same study with the findings of its own engines, compared with our rows in `own`.
 study::Study comparedWith(const study::Study& study, const study::Table& own);
 
 }  // namespace kirireel::bench

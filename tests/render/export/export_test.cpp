@@ -27,7 +27,7 @@ trajectory::Trajectory opening() {
   return run;
 }
 
-/// The run as a file that is read again.
+/// The run, written to a file and read again.
 class Export : public testing::Test {
  protected:
   Export() {
@@ -188,7 +188,7 @@ TEST_F(Export, WritesEveryFormat) {
   settings.formats = exports::exportFormatNames();
   settings.states = {"50%"};
   const std::vector<std::string> names = exports::exportStates(*reader_, settings, out());
-  // Other formats may come; these have had their names for long.
+  // New formats may be added, these names stay.
   EXPECT_THAT(
       filesOut(),
       IsSupersetOf({"contents.json", "cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",

@@ -1,5 +1,5 @@
-// Decks for Abaqus against docs/abaqus_keywords.csv, a table made from its manual: which keywords
-// there are, in the model or in a step, with which parameters and how many fields in a row of data.
+// Decks for Abaqus against docs/abaqus_keywords.csv, a table made from its manual: keywords, their
+// place in the model or a step, parameters and number of fields in a row of data.
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -80,7 +80,7 @@ std::map<std::string, Keyword> manual() {
   return table;
 }
 
-/// Checks decks line by line, and stores which keywords they use.
+/// Checks decks line by line, and stores the used keywords.
 class KeywordChecker {
  public:
   void read(const std::string& deck) {
@@ -170,14 +170,13 @@ TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
   const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
   for (const fea::ElementFamily family :
-       {fea::ElementFamily::Solid, fea::ElementFamily::Shell,
-        fea::ElementFamily::Plane}) {
+       {fea::ElementFamily::Solid, fea::ElementFamily::Shell, fea::ElementFamily::Plane}) {
     for (const bool isQuadratic : {true, false}) {
       const fea::ElementRule rule{.perEdge = 2,
-                                      .quadratic = isQuadratic,
-                                      .joints = fea::JointStyle::Neck,
-                                      .family = family,
-                                      .neck = {.width = 0.05, .length = 0.1}};
+                                  .quadratic = isQuadratic,
+                                  .joints = fea::JointStyle::Neck,
+                                  .family = family,
+                                  .neck = {.width = 0.05, .length = 0.1}};
       checkAll(abaqus, fea::makeNeckMesh(model, 0.02, rule), poses);
     }
   }
@@ -194,9 +193,8 @@ TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
   checkDecks(abaqus, {.quadratic = false, .family = fea::ElementFamily::Shell},
              model::JointFace::Top);
   const test::Layout layout = test::hingedSquares();
-  fea::ElementMesh patched =
-      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                               {.perEdge = 4, .joints = fea::JointStyle::Patch});
+  fea::ElementMesh patched = fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                                                  {.perEdge = 4, .joints = fea::JointStyle::Patch});
   patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1, {0.6, 0, 0.8}}};
   checkAll(abaqus, patched, layout.poses);
   const fea::ElementMesh shared =

@@ -1,4 +1,4 @@
-// How long other programs take to read decks of 10,000 tiles: skipped where they are not installed.
+// Time of other programs to read decks of 10,000 tiles. Skipped if these are not installed.
 #include <algorithm>
 #include <numeric>
 #include <sstream>

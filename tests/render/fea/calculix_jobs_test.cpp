@@ -35,7 +35,7 @@ model::Tile square(double x, double y) {
   return model::Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
 }
 
-/// The nodes that follow no others, all of them or those of a tile.
+/// The independent nodes, of all tiles or of one.
 std::vector<int> leaders(const fea::ElementMesh& mesh, int tile = -1) {
   const std::vector<bool> follows = fea::followers(mesh);
   std::vector<int> nodes;
@@ -55,19 +55,19 @@ std::vector<model::Tile> placed(std::vector<model::Tile> tiles, const Quaternion
 }
 
 /// Two squares, diagonal to each other, on a hinge at (1, 1) with a spring of 5 N m/rad. The lower
-/// one is held, the upper one turns.
+/// one is fixed, the upper one rotates.
 class SpringHinge {
  public:
-  /// The spring rests where the upper square has turned by so much. `turn` places the squares.
+  /// `rest`: rest angle of the spring. `turn` rotates both squares.
   explicit SpringHinge(double rest, const Quaternion& turn = Quaternion::Identity())
       : layout_(test::layoutOf(placed({square(0, 0), square(1, 1)}, turn),
                                {{{0, 2}, {1, 0}, model::JointFace::Both}})),
         mesh_(fea::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
-                                       {.perEdge = 4, .joints = fea::JointStyle::Patch})) {
+                                   {.perEdge = 4, .joints = fea::JointStyle::Patch})) {
     const brick::Hinge hinge =
         brick::findHinges(layout_.bricks, brick::makePivots(layout_.joints, layout_.bricks), true)
             .hinges.at(0);
-    // Angles grow as tile 1 turns against tile 0, or tile 0 against tile 1.
+    // Angles grow with the rotation of tile 1 against tile 0, or of tile 0 against tile 1.
     const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.dot(turn * Vector3::UnitZ());
     const double start = brick::hingeAngle(hinge, layout_.poses);
     const std::vector<brick::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
@@ -77,11 +77,10 @@ class SpringHinge {
   /// The corner at (2, 1), through the thickness.
   const std::vector<int>& corner() const { return mesh_.tiles[1].edges[1]; }
 
-  /// A job with these loads besides the spring's. `isFlat` holds all nodes along z.
+  /// A job with these loads and that of the spring. `isFlat` fixes all nodes along z.
   JobEnd run(const std::string& step, const std::string& load, bool isFlat = true) const {
     std::string moments = "*CLOAD\n";
-    fea::PatchDeck(mesh_, fea::Solver::Calculix)
-        .appendMoments(moments, fea::DeckUnit::Model);
+    fea::PatchDeck(mesh_, fea::Solver::Calculix).appendMoments(moments, fea::DeckUnit::Model);
     if (moments == "*CLOAD\n") moments.clear();
     std::string job = test::ownJob(
         test::setOf("HELD", leaders(mesh_, 0)) + test::setOf("FLAT", leaders(mesh_)) +
@@ -116,10 +115,9 @@ TEST_F(CalculixJobs, SpringsTurnTilesByMomentOverStiffness) {
 
 // By hand: 0.5 N m turn a spring of 5 N m/rad by 0.1 and store 0.025 J.
 TEST_F(CalculixJobs, SpringsInAnyPlaneStoreTheSameEnergy) {
-  for (const Vector3& turn :
-       {Vector3(0, 0, 0), Vector3(0.5 * std::numbers::pi, 0, 0),
-        Vector3(0, -0.5 * std::numbers::pi, 0), Vector3(std::numbers::pi, 0, 0),
-        Vector3(0.3, -0.8, 1.7)}) {
+  for (const Vector3& turn : {Vector3(0, 0, 0), Vector3(0.5 * std::numbers::pi, 0, 0),
+                              Vector3(0, -0.5 * std::numbers::pi, 0),
+                              Vector3(std::numbers::pi, 0, 0), Vector3(0.3, -0.8, 1.7)}) {
     for (const double rest : {0.0, 0.02}) {
       const Quaternion rotation = rotationFromVector(turn);
       const SpringHinge hinge(rest, rotation);
@@ -156,7 +154,7 @@ TEST_F(CalculixJobs, SpringsArePulledByTheirAngleHoweverFarTheyTurn) {
   }
 }
 
-/// The resultant and its moment about the origin that one flank presses on the other with.
+/// The resultant force of one flank on the other, and its moment about the origin.
 std::pair<Vector3, Vector3> contactForces(const std::string& data) {
   const std::size_t title = data.rfind("total surface force");
   std::istringstream rows(title == std::string::npos ? "" : data.substr(data.find('\n', title)));
@@ -170,8 +168,8 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   // Side by side, joined at (1, 0): 100 N on (2, 1) press the right square on the left one.
   const Layout layout =
       test::layoutOf({square(0, 0), square(1, 0)}, {{{0, 1}, {1, 0}, model::JointFace::Both}});
-  const fea::ElementMesh mesh = fea::makeElementMesh(
-      layout.bricks, layout.joints, layout.poses, {.perEdge = 8, .through = 1});
+  const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                                                     {.perEdge = 8, .through = 1});
   const std::vector<fea::ContactPair> pairs = fea::contactPairs(mesh);
   ASSERT_EQ(pairs.size(), 2U);
   fea::DeckSettings settings;
@@ -226,7 +224,7 @@ TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
 }
 
 TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
-  // Poisson's ratio is -1: as many squares across as along widen by what they lengthen.
+  // Poisson's ratio is -1: for as many squares across as along, both strains are equal.
   const model::Model model = generate::makeTessellation(test::squares(4, 4, 0.7));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
   const Strained found = runPeriodic(fea::makeElementMesh(
@@ -237,7 +235,7 @@ TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
   EXPECT_LT(found.energy, 1e-6);  // J; measured: 6e-21
 }
 
-// The mechanism of parallelograms shears the sheet as it lengthens.
+// The mechanism of parallelograms shears the sheet when it lengthens.
 TEST_F(CalculixJobs, PeriodicParallelogramsShearFreelyAsTheyAreStretched) {
   generate::TessellationShape shape = test::squares(4, 3, 0.5);
   shape.length = 1.2;
@@ -245,9 +243,9 @@ TEST_F(CalculixJobs, PeriodicParallelogramsShearFreelyAsTheyAreStretched) {
   shape.skew = 0.35;
   const model::Model model = generate::makeTessellation(shape);
   const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const Strained found = runPeriodic(
-      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                           {.perEdge = 1, .through = 1, .quadratic = false}));
+  const Strained found =
+      runPeriodic(fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                                       {.perEdge = 1, .through = 1, .quadratic = false}));
   ASSERT_EQ(found.moved.size(), 2U);
   EXPECT_GT(std::abs(found.moved[1].x()), 1e-4);
   EXPECT_LT(found.energy, 1e-6);  // J; measured: 2e-22
@@ -268,8 +266,7 @@ TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {
     const fea::ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
     const fea::ElementMesh mesh =
         fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
-    const fea::ElementMesh later =
-        fea::makeElementMesh(layout.bricks, layout.joints, poses, rule);
+    const fea::ElementMesh later = fea::makeElementMesh(layout.bricks, layout.joints, poses, rule);
     fea::DeckJob job = fea::stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
     job.text.insert(job.text.find("*END STEP"), "*EL PRINT, ELSET=EALL\nS\n");
     const JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job.text);

@@ -34,7 +34,7 @@ using test::kOrigin;
 using test::ownJob;
 using test::run;
 
-/// The template as it is, but that its displacements are printed too.
+/// The template, with printed displacements.
 std::string printing(std::string job) {
   return job.insert(job.find("*NODE PRINT"), "*NODE PRINT, NSET=NALL\nU\n");
 }
@@ -62,7 +62,7 @@ void expectToRun(const Layout& layout, const fea::ElementRule& rule) {
   // A mechanism gives 1e9. Measured: up to 8.6e-5, with rigid patches on single nodes 2.8e-3.
   EXPECT_GT(most, 1e-10);
   EXPECT_LT(most, 0.1);
-  // Forces at the two ends balance on one line or turn the sheet: reactions add up to nothing.
+  // Forces at the two ends balance on one line or rotate the sheet: the sum of reactions is zero.
   std::istringstream total(end.data.substr(end.data.find('\n', forces)));
   Vector3 sum;
   total >> sum.x() >> sum.y() >> sum.z();
@@ -225,7 +225,7 @@ double largestDeflection(const fea::ElementMesh& mesh, double coefficient,
 
 constexpr const char* kClampedShells = "XMIN, 1, 6\nXMAX, 1, 6\nYMIN, 1, 6\nYMAX, 1, 6\n";
 
-/// The same of shells: the largest deflection is that of the middle.
+/// The same for shells: the largest deflection is in the middle.
 double shellPlate(const fea::ElementMesh& mesh, double coefficient, bool isClamped) {
   std::string boundary = kClampedShells;
   if (!isClamped) {
@@ -247,8 +247,8 @@ TEST(Bending, OfShellsIsThatOfKirchhoff) {
   const fea::ElementMesh mesh =
       fea::makeElementMesh(layout.bricks, {}, layout.poses, {.family = fea::ElementFamily::Shell});
   EXPECT_NEAR(shellPlate(mesh, 0.0255, false), 1, 0.02);  // measured: 1.013
-  // CalculiX clamps the edges of its expanded shells too stiffly along one element, which is why
-  // these are shorter there: 0.954 with elements of one size. Measured: 0.987.
+  // CalculiX clamps the edges of its expanded shells too stiffly along one element. Elements are
+  // therefore shorter there: 0.954 with elements of one size. Measured: 0.987.
   EXPECT_NEAR(shellPlate(mesh, 0.001265, true), 1, 0.02);
 }
 
@@ -397,8 +397,8 @@ TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
       << reactions[0].transpose();
 }
 
-/// How far tile 3 of hinged squares moves from one opening angle to another while tile 0 stays
-/// as it is: the analytic linkage.
+/// The motion of tile 3 of hinged squares between two opening angles, relative to tile 0: the
+/// analytic linkage.
 Vector3 linkage(double from, double to) {
   const auto between = [](double angle) {
     const std::vector<model::Tile> tiles =
@@ -429,7 +429,7 @@ TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
   const fea::ElementMesh mesh =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1, false, GetParam()});
   const Vector3 expected = linkage(start, 1.1);
-  // A node of tile 3 that follows no other: the middle of its bottom.
+  // An independent node of tile 3: the middle of its bottom.
   const int driven = mesh.tiles[3].bottom[4] + 1;
   const JobEnd end = run(fea::meshDeck(mesh, {}, kOrigin), drivenJob(driven, expected.y()));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
@@ -441,7 +441,7 @@ TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
   }
 }
 
-/// How squares in rows of so many turn from one opening angle by 0.4 rad, in a second.
+/// The motion of squares in rows of so many from one opening angle by 0.4 rad, in a second.
 fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
   fea::TileHistory history;
   for (int k = 0; k <= 20; ++k) {
@@ -462,7 +462,7 @@ fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
 
 TEST(Drive, EndsWhereTheLinkageDoes) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
-  // Two tiles at opposite corners move as the linkage does; all others have to follow.
+  // Two tiles at opposite corners move with the linkage. All others must follow.
   const double start = 0.7;
   for (const int rowLength : {2, 4}) {
     const model::Model model =
@@ -491,8 +491,8 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
 }
 
 TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
-  // A tile that turns by a right angle about an axis in its plane leaves the direction in which
-  // three of its nodes were held at first.
+  // A tile that rotates by a right angle about an axis in its plane. Three of its nodes move out of
+  // the direction in which they were fixed.
   const Layout layout = test::hingedSquares();
   const fea::ElementMesh mesh =
       fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});

@@ -106,7 +106,7 @@ TEST(Deck, DividesTilesOfAnyNumberOfSidesIntoHexahedra) {
     EXPECT_EQ(element.nodes.size(), 20U);
   }
   EXPECT_EQ(deckOf(test::polygons(), {.quadratic = false}).elements.at(1).type, "C3D8I");
-  // One element across has no shape of its own with reduced integration.
+  // With reduced integration one element across has no stiffness against some deformations.
   EXPECT_EQ(deckOf(test::polygons(), {.perEdge = 1}).elements.at(7).type, "C3D20");
 }
 
@@ -157,7 +157,7 @@ TEST(Deck, ReportsHowFarCornersWereApart) {
   layout.poses[3].position.x() += 0.001;
   EXPECT_THAT(textOf(meshOf(layout)), HasSubstr("holds together: 0.00"));
   EXPECT_NEAR(meshOf(layout).largestGap, 0.001, 1e-15);  // measured: 8.7e-19
-  // Equations keep corners where they are.
+  // Equations do not move corners.
   const Deck tied = deckOf(layout, {2, 1, false, fea::JointStyle::Equation});
   EXPECT_EQ(tied.nodes.size(), 4U * 18U);
   EXPECT_EQ(tied.equations.size(), 4U * 2U * 3U);
@@ -212,7 +212,7 @@ TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
   EXPECT_EQ(deck.nodes.size(), mesh.nodes.size() + 16U);
   EXPECT_THAT(text, HasSubstr("*RIGID BODY, PIN NSET=PATCH_00000_0, REF NODE="));
   EXPECT_THAT(text, HasSubstr("*MPC\nPIN, "));
-  EXPECT_EQ(text.find("*NODE,"), text.rfind("*NODE,"));  // one block, for readers that know one
+  EXPECT_EQ(text.find("*NODE,"), text.rfind("*NODE,"));  // one block: some readers support only one
 }
 
 TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
@@ -333,7 +333,7 @@ TEST(Deck, ReportsWhereItComesFromAndWhatIdealHingesDo) {
               HasSubstr("WARNING: nodes that follow in *EQUATION"));
 }
 
-/// How many motions of rigid tiles strain nothing, by another method: the first-order mobility
+/// The number of motions of rigid tiles without strain, by another method: the first-order mobility
 /// (sim/trajectory/sheet.h), and the six of the whole.
 std::size_t freeMotions(const Layout& layout, double thickness) {
   model::Model model;
@@ -359,7 +359,7 @@ TEST(Supports, AreSixAndOneForEachMechanism) {
     }
   }
   EXPECT_EQ(fea::leastSupports(meshOf(test::polygons())).size(),
-            3U * 6U);  // nothing joins them
+            3U * 6U);  // no joints
 }
 
 TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
@@ -423,7 +423,7 @@ TEST(Supports, CountTheFlatMechanismsOfClosedSquares) {
   }
 }
 
-/// The least singular value of a matrix that is not zero, of its largest.
+/// The least nonzero singular value of a matrix, relative to its largest.
 double leastSingularValue(const Eigen::MatrixXd& matrix, Eigen::Index nullity) {
   const Eigen::VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
   return values[matrix.cols() - nullity - 1] / values[0];
@@ -456,8 +456,8 @@ TEST(Supports, HoldTheUnknownsThatMoveMost) {
       Eigen::MatrixXd held = dense;
       for (const fea::FreeColumn& column : free)
         held.col(6 * column.tile + column.unknown).setZero();
-      // With these held, the rest is not much weaker than it is. Without delayed pivots: down to
-      // 1e-7 times as strong.
+      // With these nodes fixed, the least stiffness is not much smaller. Without delayed pivots:
+      // down to 1e-7 of it.
       EXPECT_GT(leastSingularValue(held, 6), 0.02 * leastSingularValue(dense, 6))
           << weak << ' ' << round;
     }

@@ -20,7 +20,7 @@
 namespace kirireel {
 namespace {
 
-/// The mesh as a deck that Gmsh wrote.
+/// The mesh as a deck written by Gmsh.
 test::Deck throughGmsh(const fea::ElementMesh& mesh) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "x.msh", fea::gmshMesh(mesh, fea::SetChoice::All));
@@ -89,7 +89,7 @@ TEST(GmshProgram, FindsNothingTwice) {
                                       {.family = fea::ElementFamily::Shell}));
 }
 
-/// How many pieces the elements of a mesh make, by the nodes that they share.
+/// The number of connected pieces of a mesh.
 int piecesOf(const fea::ElementMesh& mesh) {
   std::vector<int> parent(mesh.nodes.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -145,9 +145,9 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
       }
     }
   }
-  // With a kerf each of the 36 edges loses half of it; slots and necks by hand: 12 of them, each
-  // slot cuts (length - kerf) x width from its tiles, each neck adds length x width, less what its
-  // tiles lose there.
+  // With a kerf each of the 36 edges loses half of it. Slots and necks by hand: 12 of them. Each
+  // slot removes (length - kerf) x width from its tiles. Each neck adds length x width, less the
+  // part of its tiles.
   const writers::NeckShape beam{.width = 0.05, .length = 0.2, .kerf = 0.01};
   const fea::ElementMesh open = fea::makeNeckMesh(model, 0.02, necks(beam));
   EXPECT_EQ(piecesOf(open), 1);
@@ -195,7 +195,7 @@ TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
       fea::makeNeckMesh(open, 0.02, necks({.width = 0.1}, fea::ElementFamily::Solid));
   EXPECT_EQ(piecesOf(solid), 1);
   expectCoherent(solid);
-  // Elements at the ends of shut slits are small and upright.
+  // Elements at the ends of closed slits are small and well shaped.
   const model::Model shut = generate::makeTessellation(test::squares(2, 2, 0));
   for (const fea::ElementFamily family : {fea::ElementFamily::Solid, fea::ElementFamily::Plane}) {
     expectCoherent(fea::makeNeckMesh(shut, 0.02, necks({.width = 0.05}, family)));

@@ -78,8 +78,8 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
     const SheetStiffness own = sheetStiffness("pull", model, plane({.width = width}));
     EXPECT_EQ(other.pieces, 1);
     EXPECT_EQ(own.pieces, 1);
-    // Measured: 157.0 of 158.1 N, 705.5 of 710.5 N, 3474 of 3514 N; the other mesh sinks towards
-    // ours when it is refined (0.05 m: 163.2, 159.8, 158.1 N).
+    // Measured: 157.0 of 158.1 N, 705.5 of 710.5 N, 3474 of 3514 N. The other mesh converges to
+    // ours under refinement (0.05 m: 163.2, 159.8, 158.1 N).
     EXPECT_NEAR(own.stiffness / other.stiffness, 1, 0.02) << width;
   }
 }
@@ -105,8 +105,8 @@ model::Model twoSquares() {
   return model;
 }
 
-/// The neck's stiffness between tiles that do not give: one is held, the other turned by a small
-/// angle about the neck's middle, which is what pure bending does. From the strain energy.
+/// The neck's stiffness between rigid tiles, from the strain energy: one is fixed, the other
+/// rotates by a small angle about the neck's middle, as in pure bending.
 double betweenRigidTiles(const writers::NeckShape& neck, double thickness) {
   const double angle = 1e-3;
   const fea::ElementMesh mesh = fea::makeNeckMesh(twoSquares(), thickness, plane(neck));
@@ -170,13 +170,13 @@ TEST_F(NeckSheet, SidesOfASlitPressOnEachOther) {
     const std::vector<Vector3> sums = test::totalForces(end.data, "XMAX");
     return sums.empty() ? 0.0 : -sums.back().x();
   };
-  // A block of 2 m without a slit, longer by the thickness: contact gives way by p t / E.
+  // A block of 2 m without a slit. It is longer by the thickness: contact is compliant by p t / E.
   const double block = 1e9 * thickness * pressed / (2 + thickness);
   EXPECT_NEAR(force(true) / block, 1, 0.03);  // measured: 1.0143, since the ends are clamped
   EXPECT_LT(force(false) / block, 0.5);       // measured: 0.2276
 }
 
-/// The width by which a neck of so many widths' length seems longer than it is, in widths.
+/// The apparent additional length of a neck whose length is so many widths, in widths.
 double endsByDeck(double lengthInWidths) {
   const double youngs = 1e9, thickness = 0.002, width = 0.02;
   const writers::NeckShape neck{.width = width, .length = lengthInWidths * width};
@@ -212,8 +212,8 @@ TEST_F(NeckSheet, TableIsThatOfDecks) {
   EXPECT_NEAR(rows.front().ends, 15.8 / 12, 0.01);
 }
 
-/// A tile with an edge from (1, 0) to (1, 1) on its right and this angle at (1, 0), degrees, as the
-/// table has them: an isosceles triangle up to 60 degrees, else the regular polygon.
+/// A tile with an edge from (1, 0) to (1, 1) on its right and this angle at (1, 0), degrees, of the
+/// shape in the table: an isosceles triangle up to 60 degrees, else the regular polygon.
 model::Tile tableTile(double angle) {
   constexpr double kDegree = std::numbers::pi / 180;
   if (angle <= 60) {
@@ -250,7 +250,7 @@ NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
   for (Vector3& vertex : mirrored.vertices) vertex.x() = 2 - vertex.x();
   NeckPair pair;
   pair.model.tiles = {left, mirrored};
-  // Gmsh's mesh depends on where a tile begins, and the table keeps its digits with this.
+  // Gmsh's mesh depends on the first corner of a tile. With this order the table keeps its digits.
   std::ranges::rotate(pair.model.tiles[0].vertices, std::prev(pair.model.tiles[0].vertices.end()));
   pair.model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both}};
   const std::vector<brick::Brick> bricks =
@@ -271,7 +271,7 @@ std::vector<double> neckByDeck(const model::Model& model, const writers::NeckSha
   return {std::istream_iterator<double>(said), {}};
 }
 
-/// The same of one without a length.
+/// The same for a neck without a length.
 std::vector<double> cornerByDeck(const model::Model& model, double width,
                                  const std::string& moment = "") {
   return neckByDeck(model, {.width = width}, moment);
@@ -294,7 +294,7 @@ TEST_F(NeckSheet, TableOfCornersIsThatOfDecks) {
   if (isToUpdate()) updateTable("CornerNeckRow", lines);
 }
 
-/// By how much a corner's four flexibilities may miss a deck's, parts of them.
+/// Relative tolerances of a corner's four compliances against those of a deck.
 using Misses = std::array<double, 4>;
 
 void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
@@ -330,7 +330,7 @@ std::vector<double> deckStiffness(const std::vector<model::Tile>& tiles,
   return found;
 }
 
-// The stiffness in a deck is that which CalculiX computes, for any angles of the tiles.
+// The stiffness in a deck is that of CalculiX, for any angles of the tiles.
 TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
   const double width = 0.1;
   for (const double angle : {60.0, 90.0, 120.0}) {
@@ -341,7 +341,7 @@ TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
     const double found = 1e9 * 0.002 * width * width / cornerByDeck(pair.model, width).at(0);
     EXPECT_NEAR(said[0] / found, 1, 0.01) << angle;  // measured: misses by 9e-4 at most
   }
-  // With a length too, and unlike ones have a range.
+  // Also with a length. Different necks have a range.
   const NeckPair triangles = pairOf(tableTile(60), tableTile(60));
   const auto slender =
       deckStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
@@ -369,7 +369,7 @@ TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
   }
 }
 
-// Between the table's angles and beyond, and where tiles differ. The tolerances are of bending,
+// Between and beyond the table's angles, and for different tiles. The tolerances are of bending,
 // axis, stretch and shear.
 TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
   const double width = 0.1;
@@ -411,7 +411,7 @@ TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
   expect(rhombus(60), rhombus(120), 1, 0.03, "60 and 120");
 }
 
-// The moment over the angle, as slits open, with large displacements.
+// The moment over the angle of opening slits, with large displacements.
 TEST_F(NeckSheet, CornersStiffenAsTheyOpen) {
   const double width = 0.1;
   const NeckPair pair = pairOf(tableTile(90), tableTile(90));

@@ -1,5 +1,5 @@
-// Infinite sheets, grips, joined tiles and solids of sheets with necks, in CalculiX and Gmsh:
-// skipped where these are not installed.
+// Infinite sheets, grips, joined tiles and solids of sheets with necks, in CalculiX and Gmsh.
+// Skipped if these are not installed.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -36,7 +36,7 @@ fea::ElementRule plane(double width, int perEdge) {
           .neck = {.width = width}};
 }
 
-/// What a periodic job gives in its first step.
+/// Results of a periodic job in its first step.
 struct CellResult {
   double energy = 0;    ///< J/m^2 at a strain of a thousandth
   double widening = 0;  ///< strain across over strain along
@@ -129,7 +129,7 @@ TEST_F(PeriodicNecks, GripsPullAlikeOnEveryMesh) {
   const double coarse = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 4)));
   const double fine = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 8)));
   EXPECT_NEAR(coarse / fine, 1, 0.01);  // measured: 0.9956
-  // Odd squares that are turned a little are held by the same edges.
+  // Odd numbers of slightly rotated squares are fixed at the same edges.
   const model::Model odd = generate::makeTessellation(test::squares(3, 3, 0));
   const double straight = openingOf(fea::makeNeckMesh(odd, 0.02, plane(0.1, 2)));
   const double aslant = openingOf(fea::makeNeckMesh(turned(odd, 1), 0.02, plane(0.1, 2)));
@@ -223,7 +223,7 @@ TEST(NeckSolid, IsClosedAndHasTheVolumeOfItsOutline) {
           ++edges[{a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}];
         }
       }
-      // Banks of shut slits are 2e-7 of the size apart; open ones are exact.
+      // Banks of closed slits are 2e-7 of the size apart. Open ones are exact.
       EXPECT_NEAR(volume / (0.02 * expectedArea), 1, neck.kerf > 0 ? 1e-12 : 1e-6);
       for (const auto& [edge, count] : edges) {
         const auto back = edges.find({edge[3], edge[4], edge[5], edge[0], edge[1], edge[2]});
@@ -254,7 +254,7 @@ TEST(NeckSolid, SlitsAroundReflexCornersAreApart) {
       volume += facet[0].cross(facet[1]).dot(facet[2]) / 6;
       for (int k = 0; k < 3; ++k) {
         const Vector3 &a = facet[k], &b = facet[(k + 1) % 3];
-        // Printers read single precision.
+        // Printers use single precision.
         std::array<double, 6> edge = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
         for (double& number : edge) number = static_cast<float>(number);
         ++edges[edge];
@@ -298,7 +298,7 @@ TEST(NeckSolid, IsOneSolidOfCadPrograms) {
     EXPECT_EQ(countOf(step, "MANIFOLD_SOLID_BREP"), 1U);
     EXPECT_THAT(step, HasSubstr("SI_UNIT(.MILLI.,.METRE.)"));
     EXPECT_EQ(step, fea::neckSheetStep(model, neck, 0.02));  // to the byte
-    // The area as in IsClosedAndHasTheVolumeOfItsOutline; banks of shut slits are apart.
+    // The area as in IsClosedAndHasTheVolumeOfItsOutline. Banks of closed slits are separate.
     const double area =
         neck.kerf > 0 ? 9 * 0.99 * 0.99 + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05) : 9;
     EXPECT_NEAR(volumeByGmsh(step) / (0.02e9 * area), 1, neck.kerf > 0 ? 1e-12 : 2e-6);

@@ -144,7 +144,7 @@ TEST(SheetEnds, AreTheSameInAnyRotation) {
       for (const int end : {0, 1}) {
         const auto [sum, middle] = endOf(mesh, end);
         EXPECT_NEAR(sum, 1, 1e-12);
-        // A closed sheet is centred, and so is an even traction.
+        // A closed sheet is centred, so the traction is uniform.
         if (opening == 0) {
           EXPECT_NEAR(middle, 0, 1e-9);
         }
@@ -274,7 +274,7 @@ TEST(SheetEnds, AreWhatAPersonWouldHold) {
   const fea::EndEdges ends = fea::findEndEdges(diamonds, {}, std::sqrt(2.0));
   EXPECT_EQ(ends.edges[0], (std::vector<fea::PolygonEdge>{{0, 0}, {0, 3}}));
   EXPECT_EQ(ends.edges[1], (std::vector<fea::PolygonEdge>{{1, 1}, {1, 2}}));
-  // The banks of the slit between two squares are no ends.
+  // The banks of the slit between two squares are not ends.
   std::vector<std::vector<Vector3>> squares;
   for (const model::Tile& tile : model.tiles) squares.push_back(tile.vertices);
   const fea::EndEdges shut = fea::findEndEdges(squares, {}, 1);
@@ -303,7 +303,7 @@ TEST(JoinedTiles, AreOnePart) {
     // One body: six displacements hold it.
     EXPECT_EQ(fea::leastSupports(mesh).size(), 6U);
   }
-  // At an angle bricks meet on one face and have a mitre.
+  // Bricks at an angle touch on one face and have a mitre.
   for (const double angle : {-1.2, -0.4, 0.4, 1.2}) {
     std::vector<model::Tile> folded = tiles;
     for (const int tile : {1, 2}) {

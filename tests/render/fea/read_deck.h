@@ -9,13 +9,13 @@
 
 namespace kirireel::test {
 
-/// An element as a deck states it.
+/// An element of a deck.
 struct DeckElement {
   std::string type;
   std::vector<int> nodes;
 };
 
-/// What a deck holds, by the numbers in it.
+/// The content of a deck, by its numbers.
 struct Deck {
   std::map<int, Vector3> nodes;
   std::map<int, DeckElement> elements;
@@ -31,7 +31,7 @@ struct Deck {
 
 Deck readDeck(const std::string& text);
 
-/// By how much a quadratic element's middle nodes miss the middles of its edges at most, in
+/// The largest distance of a quadratic element's middle nodes from the middles of its edges, in
 /// Abaqus's order of nodes.
 double largestMiddleMiss(const Deck& deck, const DeckElement& element);
 

@@ -1,4 +1,4 @@
-/// Runs decks in CalculiX and reads what it prints.
+/// Runs decks in CalculiX and reads the results.
 #pragma once
 
 #include <string>
@@ -36,8 +36,8 @@ std::vector<Vector3> totalForces(const std::string& data, const std::string& set
 /// The largest number among the stresses that job.dat prints, absolute; -1 for none.
 double largestStress(const std::string& data);
 
-/// A job on a mesh of its own: supports and load, displacements of one set printed. A material of
-/// 1 GPa and Poisson's ratio 0.3.
+/// A job on its own mesh: supports and load, printed displacements of one set. A material of 1 GPa
+/// and Poisson's ratio 0.3.
 std::string ownJob(const std::string& sets, const std::string& boundary, const std::string& load,
                    const std::string& printed);
 

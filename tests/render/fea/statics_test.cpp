@@ -1,4 +1,4 @@
-// Problems whose answer statics knows, in CalculiX, in every style of joints: skipped where ccx is
+// Problems with solutions from statics, in CalculiX, in every style of joints. Skipped if ccx is
 // not installed.
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ model::Tile quad(const Vector3& a, const Vector3& b, const Vector3& c, const Vec
   return model::Tile{{a, b, c, d}};
 }
 
-/// The nodes among these that follow no others, which a job may fix.
+/// The independent nodes among these, which a job may fix.
 std::vector<int> leadersAmong(const fea::ElementMesh& mesh, const std::vector<int>& nodes) {
   const std::vector<bool> follows = fea::followers(mesh);
   std::vector<int> leaders;
@@ -75,14 +75,14 @@ TEST_P(Statics, ThreeHingedArchHasTheReactionsOfStatics) {
   const auto left = test::totalForces(end.data, "FOOTA");
   const auto right = test::totalForces(end.data, "FOOTB");
   ASSERT_FALSE(left.empty() || right.empty()) << end.log;
-  // Measured: exactly that, in the seven digits that ccx prints.
+  // Measured: equal in the seven digits that ccx prints.
   EXPECT_LT((left[0] - Vector3(20, 80, left[0].z())).norm(), 1e-3) << left[0].transpose();
   EXPECT_LT((right[0] - Vector3(-20, 20, right[0].z())).norm(), 1e-3) << right[0].transpose();
 }
 
 TEST_P(Statics, HingeTurnsWithoutMoment) {
-  // Two squares side by side on a hinge at the origin; one is held, the other pushed by one of its
-  // nodes until it has turned by 60 degrees.
+  // Two squares side by side on a hinge at the origin. One is fixed, the other is moved at one node
+  // until it has rotated by 60 degrees.
   const Layout layout = test::layoutOf({quad({-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}),
                                         quad({0, 0, 0}, {0, -1, 0}, {1, -1, 0}, {1, 0, 0})},
                                        {{{0, 1}, {1, 0}, model::JointFace::Both}});
@@ -121,8 +121,7 @@ std::string fieldJob(const fea::ElementMesh& mesh, const std::vector<int>& moved
   for (const int node : moved) {
     const Vector3 u = gradient * mesh.nodes[node];
     for (int axis = 0; axis < 3; ++axis) {
-      boundary +=
-          fmt::format("{0}, {1}, {1}, {2}\n", node + 1, axis + 1, fea::deckNumber(u[axis]));
+      boundary += fmt::format("{0}, {1}, {1}, {2}\n", node + 1, axis + 1, fea::deckNumber(u[axis]));
     }
   }
   // Displacements other than zero are a step's.
@@ -131,8 +130,8 @@ std::string fieldJob(const fea::ElementMesh& mesh, const std::vector<int>& moved
 }
 
 TEST_P(Statics, PatchTestKeepsAUniformStrain) {
-  // Irregular tiles, of which two share a hinge in their middle. The nodes of all surfaces follow
-  // a linear field; those within have to, by themselves. Rigid patches cannot strain: theirs turns.
+  // Irregular tiles, of which two share a hinge in their middle. The nodes of all surfaces follow a
+  // linear field, and the inner nodes must follow. Rigid patches cannot strain: they rotate.
   Layout layout = test::layoutOf({quad({0, 0, 0}, {1.3, 0.1, 0}, {1, 1, 0}, {-0.1, 0.8, 0}),
                                   quad({1, 1, 0}, {2.1, 0.9, 0}, {2.3, 1.9, 0}, {0.8, 2.1, 0})},
                                  {{{0, 2}, {1, 0}, model::JointFace::Both}});
@@ -185,13 +184,11 @@ TEST_P(Statics, VolumeIsThatOfTheBricks) {
   EXPECT_NEAR(volume, 4 * 0.02, 1e-7);  // measured: exactly that, in seven digits
 }
 
-INSTANTIATE_TEST_SUITE_P(Joints, Statics,
-                         testing::Values(Style{fea::JointStyle::Shared, true},
-                                         Style{fea::JointStyle::Shared, false},
-                                         Style{fea::JointStyle::Equation, true},
-                                         Style{fea::JointStyle::Equation, false},
-                                         Style{fea::JointStyle::Patch, true},
-                                         Style{fea::JointStyle::Patch, false}));
+INSTANTIATE_TEST_SUITE_P(
+    Joints, Statics,
+    testing::Values(Style{fea::JointStyle::Shared, true}, Style{fea::JointStyle::Shared, false},
+                    Style{fea::JointStyle::Equation, true}, Style{fea::JointStyle::Equation, false},
+                    Style{fea::JointStyle::Patch, true}, Style{fea::JointStyle::Patch, false}));
 
 }  // namespace
 }  // namespace kirireel

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using testing::StrEq;
 using testing::ThrowsMessage;
 
-/// All files in a folder and below, and what they hold.
+/// All files in a folder and below, with their content.
 std::map<std::string, std::string> contentsOf(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -73,7 +73,7 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
     output::FileSet files(folder_.path(), output::kSummary);
     test::writeText(files.stage() / "a.txt", "half");
     test::writeText(files.stage() / "checkpoint/state.h5", "state");
-    // As a killed program leaves it.
+    // The state after a killed program.
     auto during = contentsOf(folder_.path());
     std::erase_if(during, [](const auto& file) { return file.first.starts_with(".unfinished/"); });
     EXPECT_EQ(during, before);
@@ -131,7 +131,7 @@ TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
   }
   EXPECT_FALSE(fs::exists(folder_ / "a.txt"));
   EXPECT_EQ(test::bytesOf(folder_ / "b.txt"), "theirs");
-  // The run is whole and waits for room.
+  // The run is complete, but the disk is full.
   EXPECT_THROW(leave(), InputError);
   fs::remove(folder_ / "b.txt");
   { const output::FileSet files(folder_.path(), output::kSummary); }
@@ -140,7 +140,7 @@ TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
 
 TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
   leaveRun({{"a.txt", "old"}, {"b.txt", "old"}, {"c.txt", "old"}});
-  // Half moved: a.txt is in place, b.txt is not, and neither is the record.
+  // Half moved: a.txt is in place, b.txt and the record are not.
   const fs::path stage = folder_ / ".unfinished";
   test::writeText(stage / "a.txt", "new");
   test::writeText(stage / "b.txt", "new");
@@ -164,7 +164,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   }
   EXPECT_TRUE(fs::exists(folder_.path() / "b.obj"));
   fs::remove(folder_.path() / "sub");
-  // What was moved before the error is known as ours: the next export may replace it.
+  // Files that were moved before the error are known as ours: the next export may replace them.
   {
     output::FileSet files(folder_.path(), output::kContents);
     EXPECT_TRUE(fs::exists(folder_.path() / "sub" / "c.obj"));
@@ -194,7 +194,7 @@ TEST_F(FileSetTest, AddsToWhatARunLeft) {
   }
   EXPECT_EQ(test::bytesOf(folder_ / "a.txt"), "second");
   EXPECT_EQ(output::listedFiles(folder_ / "contents.json").size(), 3U);
-  // The next run takes the place of both.
+  // The next run replaces both.
   leaveRun({{"b.txt", "new"}});
   EXPECT_EQ(found(), (Contents{{"b.txt", "new"}}));
 }

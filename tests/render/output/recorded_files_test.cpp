@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder with one file that a run left, and its record.
+/// A folder with one file of a run, and its record.
 class RecordedFilesTest : public testing::Test {
  protected:
   RecordedFilesTest() {
@@ -60,7 +60,7 @@ TEST_F(RecordedFilesTest, AreNotSoughtThroughLinksToFolders) {
   fs::rename(folder_ / "frames", folder_ / "elsewhere");
   fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "frames");
   EXPECT_TRUE(isForeign("frames/frame_00000.png"));
-  // A link to the very bytes of a file loses nothing when it is replaced.
+  // A link to a file with the same bytes may be replaced without loss.
   fs::rename(folder_ / "final.obj", folder_ / "moved.obj");
   fs::create_symlink(folder_ / "moved.obj", folder_ / "final.obj");
   EXPECT_FALSE(isForeign("final.obj"));

@@ -28,7 +28,7 @@ std::string bytesOf(const std::string& text) {
   return bytes;
 }
 
-/// What packed.js makes of a packed array, with zlib's own reader.
+/// A packed array as unpacked by packed.js, with zlib's own reader.
 template <typename Number>
 std::vector<Number> unpacked(const Json& packed) {
   const std::size_t count = packed.at("count");

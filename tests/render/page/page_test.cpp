@@ -20,7 +20,7 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Four hinged squares that open; the model's name is no HTML.
+/// Four hinged squares that open. The model's name is not valid HTML.
 trajectory::Trajectory opening() {
   trajectory::Trajectory run = test::openingSquares();
   run.model.name = "a <b> & \"c\"";

@@ -56,8 +56,8 @@ Eigen::Vector2d sizeFromAbove(const Tiles& tiles, double azimuth) {
   return box.sizes();
 }
 
-/// The part of 4 x 4 points of each quadrilateral whose ray to the eye meets no other, times its
-/// cosine: a parallel view's share of the whole area.
+/// The fraction of 4 x 4 points of each quadrilateral whose ray to the eye is free, times its
+/// cosine: the visible share of the whole area in a parallel view.
 double raySharesOf(const Tiles& tiles, const Vector3& eye) {
   const auto meets = [&](const model::Tile& tile, const Vector3& from) {
     const std::vector<Vector3>& v = tile.vertices;
@@ -88,7 +88,7 @@ double raySharesOf(const Tiles& tiles, const Vector3& eye) {
   return seen / whole;
 }
 
-/// The most of 200 evenly spread directions (a Fibonacci spiral), over all states.
+/// The largest value for 200 evenly distributed directions (a Fibonacci spiral), over all states.
 double bestShare(const std::vector<Tiles>& states) {
   double best = 0;
   for (int k = 0; k < 200; ++k) {

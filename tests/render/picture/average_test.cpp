@@ -9,7 +9,7 @@
 namespace kirireel {
 namespace {
 
-/// Three rows of samples at random; the last channel is `alpha` where it is not negative.
+/// Three rows of random samples; the last channel is `alpha` if it is not negative.
 std::vector<std::uint8_t> randomSamples(int count, int alpha) {
   std::mt19937 random(7);
   std::vector<std::uint8_t> samples(std::size_t{4} * 2 * 3 * count);

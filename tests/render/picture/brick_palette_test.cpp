@@ -14,7 +14,7 @@
 namespace kirireel {
 namespace {
 
-/// The page of pictures without an appearance.
+/// The background of pictures without an appearance.
 using test::kWhite;
 
 std::vector<brick::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
@@ -37,7 +37,7 @@ picture::PictureContent tessellationContent() {
   return picture::makeContent(model, {}, std::nullopt);
 }
 
-/// Poses of the content's bricks when they have been lifted.
+/// Poses of the content's bricks, lifted.
 Poses lifted(const picture::PictureContent& content, double height) {
   Poses poses = content.start;
   for (Pose& pose : poses) pose.position.z() += height;
@@ -88,7 +88,7 @@ TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
   EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
 }
 
-// The springs' bricks are coloured by what a neck's ligament holds, too.
+// The energy of a neck's ligament also counts for the colours of its bricks.
 TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   picture::PictureContent content = tessellationContent();
   brick::Ligament ligament{0, 1};
@@ -116,7 +116,7 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
             picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
 }
 
-// Poses do not show what panels hold: their states do, at their times.
+// Poses do not contain the energy of panels: their states do, at their times.
 TEST(BrickPalette, ShowsWhatPanelsHold) {
   picture::PictureContent content = tessellationContent();
   trajectory::LoadedPanels sheet;

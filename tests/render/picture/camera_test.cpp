@@ -20,7 +20,7 @@ std::vector<Vector3> randomPoints(unsigned seed) {
   return points;
 }
 
-/// Where points fall in the picture: -1 to 1 from border to border.
+/// Positions of points in the picture: -1 to 1 from border to border.
 struct Footprint {
   Eigen::AlignedBox3d box;
 
@@ -43,7 +43,7 @@ TEST(FitCamera, FillsThePictureUpToItsMargin) {
         const std::vector<Vector3> points = randomPoints(7);
         const Footprint seen(points, picture::fitCamera(points, fit), aspect);
         const double widest = std::max(seen.box.max().x(), seen.box.max().y());
-        // Measured to 3e-15: one direction fills its room, and both are centred.
+        // Measured to 3e-15: one direction fills the picture, and both are centred.
         EXPECT_NEAR(widest, 1 - 2 * fit.margin, 1e-12);
         EXPECT_LE(seen.box.max().head<2>().maxCoeff(), 0.8 + 1e-12);
         EXPECT_GE(seen.box.min().head<2>().minCoeff(), -0.8 - 1e-12);

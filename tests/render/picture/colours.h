@@ -1,4 +1,4 @@
-/// Colours that tests of pictures share.
+/// Colours for tests of pictures.
 #pragma once
 
 #include "render/picture/frame.h"

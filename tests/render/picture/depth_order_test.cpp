@@ -62,7 +62,8 @@ TEST(DepthOrder, LeavesBricksWholeThatNoPlaneCuts) {
   EXPECT_EQ(picture::farthestFirst(pieces).size(), pieces.size());
 }
 
-/// Where the sight line meets the piece, in units of its direction; infinity when it does not.
+/// The intersection of the sight line with the piece, in units of its direction; infinity without
+/// one.
 double distanceTo(const picture::Piece& piece, const Vector3& eye, const Vector3& direction) {
   const double distance = (piece.offset - piece.normal.dot(eye)) / piece.normal.dot(direction);
   const Vector3 point = eye + distance * direction;
@@ -198,8 +199,8 @@ std::pair<double, double> lengthsOf(const SampleBricks& sample, const picture::C
   return lengths;
 }
 
-/// 5 x 5 squares with gaps between them: where a gap is narrower than half a line, its sides are
-/// slits, else all sides are silhouettes.
+/// 5 x 5 squares with gaps between them. In gaps narrower than half a line their sides are slits.
+/// Otherwise all sides are silhouettes.
 TEST(SeenOutlines, AreSilhouettesWhereNothingIsBeyond) {
   for (const double gap : {0.0, 0.004, 0.02}) {
     std::vector<model::Tile> tiles;

@@ -27,10 +27,10 @@ void main() { colour = vec4(1.0); }
 )";
 
 TEST(ContextDeathTest, ReportsWhatToDoWithoutOpenGl) {
-  // In a process of its own, because the driver remembers the first answer.
+  // In its own process, because the driver remembers the first answer.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto makeContext = [] {
-    // The driver then offers less than the version that is asked for.
+    // The driver then supports less than the required version.
     ::setenv("MESA_GL_VERSION_OVERRIDE", "2.1", 1);
     std::fputs(test::refusalOf<OutputError>([] { const picture::Context context; }).c_str(),
                stderr);

@@ -160,7 +160,7 @@ TEST(PictureBox, OfALargerPictureIsTheSamePart) {
   EXPECT_EQ(part.scaled(2.5).size, (picture::FrameSize{250, 125}));
 }
 
-/// Notes what is drawn on it.
+/// Records the drawn texts.
 class NotedSurface : public picture::Surface {
  public:
   void box(double, double, double, double, picture::Colour) override {}

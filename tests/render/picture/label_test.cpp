@@ -49,7 +49,8 @@ TEST(LabelWriter, WidensWithTheText) {
 
 TEST(LabelWriter, ReadsUtf8) {
   const picture::LabelWriter writer(20);
-  // In DejaVu Sans capital alpha looks like A, and a letter with an accent is as wide as without.
+  // In DejaVu Sans capital alpha has the shape of A, and a letter with an accent has the width of
+  // the letter.
   picture::Frame greek = picture::makeFrame({60, 40}, kWhite);
   picture::Frame latin = greek;
   writer.draw(greek, "\u0391", 10, 30, kBlack);

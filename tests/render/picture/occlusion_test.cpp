@@ -76,7 +76,7 @@ TEST(Occluders, LeaveAFlatSheetOpen) {
   for (int k = 0; k < 9; ++k) {
     EXPECT_EQ(occluders.occlusion(k, faces[k][1], Vector3::UnitZ()), 0);
   }
-  // The side that faces a gap of its own height is dark, the side at the border is not.
+  // A side next to a gap as wide as its height is dark, a side at the border is not.
   EXPECT_GT(occluders.occlusion(4, faces[4][2], -Vector3::UnitY()), 0.3);
   EXPECT_EQ(occluders.occlusion(0, faces[0][2], -Vector3::UnitY()), 0);
 }

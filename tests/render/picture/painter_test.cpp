@@ -16,7 +16,7 @@
 namespace kirireel {
 namespace {
 
-/// Black, unlit, without outlines: a pixel's darkness is the part of it that bricks cover.
+/// Black, unlit, without outlines: a pixel's darkness is its covered fraction.
 picture::Style silhouette() {
   picture::Style style;
   style.brick = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -101,7 +101,7 @@ TEST(Painter, CoversTheAreaAcrossThePartsOfALargePicture) {
   const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 1);
   const picture::Frame frame = paintOnce(sample, {5000, 1000}, camera, silhouette());
   EXPECT_NEAR(coveredPixels(frame) / (4000.0 * 800), 1, 1e-6);  // measured 0
-  // The seam between two parts lies within the brick and must not show.
+  // The seam between two parts lies within the brick and must be invisible.
   for (int x = 500; x < 4500; ++x) ASSERT_EQ(frame.at(x, 500), (picture::Colour{0, 0, 0})) << x;
 }
 
@@ -211,8 +211,8 @@ TEST(Painter, DrawsWholeLinesOnEdges) {
   }
 }
 
-/// The darkness across a line over the whole picture is its width, wherever it lies and however its
-/// face is turned.
+/// The darkness across a line over the whole picture is its width, for any position of it and any
+/// rotation of its face.
 TEST(Painter, LinesAreAsWideOnTurnedFaces) {
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1e-4);
   picture::Style style = silhouette();
@@ -276,7 +276,7 @@ TEST(Painter, DrawsTheGroundInItsColourFromAboveOnly) {
   EXPECT_EQ(below.at(50, 50), picture::faceColour(Vector3::UnitZ(), style.brick.bottom, style));
 }
 
-/// A plate that does not show, under the bricks' lowest point.
+/// An invisible plate, under the bricks' lowest point.
 picture::GroundPlate shadowCatcher(const SampleBricks& sample, double height) {
   picture::GroundPlate plate =
       picture::groundUnder(picture::brickCorners(sample.bricks, sample.poses), height);
@@ -301,8 +301,8 @@ TEST(Painter, CastsAShadowOfTheProjectedArea) {
   EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 3e-5
 }
 
-// Beyond the hard edge, at the distance d from it, t = 1 - d / (s h) of the softness s and the
-// height h is left, and the shadow's share is 3 t^2 - 2 t^3.
+// At the distance d beyond the hard edge, t = 1 - d / (s h) for the softness s and the height h,
+// and the shadow's share is 3 t^2 - 2 t^3.
 TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
   for (const double height : {5.0, 10.0}) {
     SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
@@ -354,7 +354,7 @@ TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
   for (int y = 0; y < 100; ++y) ASSERT_EQ(frame.at(50, y), (picture::Colour{0, 0, 0, 60}));
 }
 
-/// Two plates over each other, the first one the lower, with an opacity each.
+/// Two plates with opacities, the first one below the other.
 picture::PictureItems stackedPlates(const SampleBricks& sample, double lower, double upper) {
   picture::PictureItems items{sample.poses};
   items.colours = {picture::withOpacity(picture::shadesOf({200, 40, 40}), lower),
@@ -538,7 +538,7 @@ TEST(Painter, MarksPointsByWholeDots) {
   EXPECT_NEAR(dot / (8 * 900 * std::sin(M_PI / 8)), 1, 0.06);  // measured 0.025
 }
 
-/// Darkness of a row of outlines, which should not depend on how they fall on the pixels.
+/// Darkness of a row of outlines, which should not depend on their position on the pixels.
 TEST(Painter, OutlinesDoNotFlickerWhenTheyMove) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.02);
   picture::Style style = silhouette();
@@ -614,8 +614,8 @@ TEST(Painter, SharesAThreadWithAnother) {
   EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
 }
 
-/// What picture_hash prints under these settings of the environment. Only where bricks may be is
-/// anything drawn and read: a plate with the colour of the background makes that everywhere.
+/// The output of picture_hash in these environments. Only regions with bricks are drawn and read. A
+/// plate with the colour of the background extends them to the whole picture.
 TEST(Painter, LeavesOutNothingThatBricksTouch) {
   const SampleBricks sample = tumbledBricks();
   picture::Style bare;
@@ -636,12 +636,12 @@ TEST(Painter, LeavesOutNothingThatBricksTouch) {
     for (std::size_t k = 0; k < tight.pixels.size(); ++k) {
       different += std::abs(tight.pixels[k] - whole.pixels[k]) > 2 ? 1 : 0;
     }
-    // Rounding of places within a part moves few samples.
+    // Rounding of positions within a part moves few samples.
     EXPECT_LT(different, 60) << height;
   }
 }
 
-/// The memory of a frame of any size becomes that of another.
+/// A frame of any size can be reused for another one.
 TEST(Painter, PaintsTheSameIntoMemoryThatWasUsed) {
   const SampleBricks sample = tumbledBricks();
   const picture::Camera camera = fittedCamera(sample, {120, 80}, picture::kIsometricView);

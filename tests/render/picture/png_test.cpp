@@ -20,7 +20,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A picture in which every byte matters.
+/// A picture with different bytes everywhere.
 picture::Frame noise(picture::FrameSize size, bool opaque) {
   std::mt19937 random(5);
   picture::Frame frame = picture::makeFrame(size, {});
@@ -36,7 +36,7 @@ int colourType(const std::string& file) {
   return file.at(25);
 }
 
-/// No file may grow beyond a limit while this lives: writing then fails as on a full disk.
+/// Limits the size of files while it exists: writing then fails as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : oldHandler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -101,7 +101,7 @@ TEST(Png, LeavesNothingOnAFullDisk) {
   const test::TemporaryFolder folder;
   const picture::Frame frame = noise({400, 300}, true);
   std::string message;
-  // The second limit lets all but the last bytes pass, which the library keeps until the end.
+  // The second limit excludes only the last bytes, which the library writes at the end.
   for (const rlim_t limit : {1000U, 360000U}) {
     const FullDisk disk(limit);
     try {

@@ -84,7 +84,7 @@ TEST(ScaleDrawer, KeepsAColourBarInNarrowSpaces) {
   }
 }
 
-// The oracle is the place of each round value on the bar.
+// The oracle is the position of each round value on the bar.
 TEST(ScaleDrawer, DrawsTicksAtRoundValues) {
   picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
   picture::FrameSurface surface(frame);

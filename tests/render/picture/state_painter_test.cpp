@@ -94,7 +94,7 @@ TEST(PictureSetup, DrawsObstaclesInGreyFromBothSides) {
       picture::PictureSetup({}, content, {300, 300}).geometry({0, content.start, {}});
   ASSERT_EQ(geometry.solid.size(), without + 2);
   const picture::Colour colour = geometry.solid.back().colour;
-  EXPECT_EQ(colour, geometry.solid[without].colour);  // whichever way round its corners are
+  EXPECT_EQ(colour, geometry.solid[without].colour);  // for both senses of its corners
   EXPECT_LE(std::max({colour.red, colour.green, colour.blue}) -
                 std::min({colour.red, colour.green, colour.blue}),
             3);
@@ -178,7 +178,7 @@ TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
   content.paths = {{{0, 1, 2}, {{9, 0, 0}, {9, 1, 0}, {9, 2, 0}}}};
   const picture::PictureSetup setup(appearance, content, {300, 300});
   const picture::PictureItems items = setup.items({1.5, content.start, {}});
-  // The samples before, then where the vertex is: the middle of the brick's edge there.
+  // The earlier samples, then the position of the vertex: the middle of the brick's edge there.
   const Vector3 here =
       content.start[2].apply(0.5 * (content.bricks[2].bottom[1] + content.bricks[2].top[1]));
   ASSERT_EQ(items.trails.size(), 1U);

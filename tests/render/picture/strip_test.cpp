@@ -8,7 +8,7 @@ namespace {
 constexpr picture::FrameSize kWhole = {640, 360};
 constexpr picture::Colour kSheet = {10, 200, 30};
 
-/// A frame whose picture is one colour all over, with its strip.
+/// A frame with a picture of one colour, and its strip.
 picture::Frame framed(const picture::StripParts& parts, const picture::StripText& text,
                       const std::optional<picture::ColourScale>& colours = {},
                       const std::optional<picture::PictureScale>& scale = {}) {
@@ -35,8 +35,8 @@ TEST(Strip, NeverLiesOverThePicture) {
                                   .progressBar = true,
                                   .scaleBar = true,
                                   .colours = true};
-  const picture::Frame frame =
-      framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{}, picture::PictureScale{0.01, {}});
+  const picture::Frame frame = framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{},
+                                      picture::PictureScale{0.01, {}});
   EXPECT_EQ(frame.size, kWhole);
   const picture::FrameSize picture = picture::Strip(kWhole, parts, {}).picture();
   EXPECT_EQ(countOf(frame, kSheet), picture.width * picture.height);

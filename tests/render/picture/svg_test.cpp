@@ -130,7 +130,7 @@ TEST_F(SvgAgainstPainter, TranslucentBricks) {
   expectAlike(scenery);
 }
 
-/// Three beams, each over the next and under the one before: no order of whole faces is right.
+/// Three beams, each above the next and below the previous one: no order of whole faces is right.
 TEST_F(SvgAgainstPainter, BeamsInACircle) {
   const SampleBricks flat = sampleBricks(
       {rectangleTile(0, 0, 4, 0.4), rectangleTile(0, 0, 4, 0.4), rectangleTile(0, 0, 4, 0.4)}, 0.1);
@@ -165,7 +165,7 @@ TEST_F(SvgAgainstPainter, TransparentPageWithShadow) {
   scenery.style.plate->visible = false;
   const picture::Frame drawn = rasterised(scenery.svg());
   const picture::Frame painted = scenery.painted();
-  // Colours under full transparency differ and mean nothing.
+  // Colours of transparent pixels differ and have no meaning.
   double mean = 0;
   for (std::size_t alpha = 3; alpha < drawn.pixels.size(); alpha += 4) {
     mean += std::abs(drawn.pixels[alpha] - painted.pixels[alpha]);
@@ -178,8 +178,8 @@ TEST_F(SvgAgainstPainter, FacesHaveTheVerySameColours) {
   const Scenery scenery(tumbledBricks());
   const picture::Frame drawn = rasterised(scenery.svg());
   const picture::Frame painted = scenery.painted();
-  // Where the painter's picture is flat for two pixels around, librsvg has the same bytes, but for
-  // one or two levels where a face was cut.
+  // If the painter's picture has one colour for two pixels around, librsvg has the same bytes,
+  // except one or two levels where a face was cut.
   int flat = 0, equal = 0, near = 0;
   const auto isNear = [](picture::Colour a, picture::Colour b) {
     return std::abs(a.red - b.red) < 3 && std::abs(a.green - b.green) < 3 &&
@@ -214,8 +214,7 @@ TEST(Svg, HoldsOnlyWhatThePictureShows) {
   EXPECT_NE(svg.find("id=\"bricks\""), std::string::npos);
 }
 
-/// The outline of a concave face is a closed line as well, which an editor restyles with the
-/// others.
+/// The outline of a concave face is also a closed line, which editors restyle with the others.
 TEST(Svg, OutlinesOfConcaveFacesAreLines) {
   picture::CameraFit fit;
   fit.view = picture::kTopView;

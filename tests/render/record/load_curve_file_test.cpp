@@ -14,7 +14,7 @@
 namespace kirireel {
 namespace {
 
-/// Random numbers, so no digit can be lost unnoticed.
+/// Random numbers, in which any lost digit is noticed.
 mechanics::LoadCurve randomCurve() {
   std::mt19937_64 generator(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -33,7 +33,7 @@ mechanics::LoadCurve randomCurve() {
   return curve;
 }
 
-/// A file with something in it, as a finished run's.
+/// A file with content, as of a finished run.
 void writeOther(const std::filesystem::path& file) {
   trajectory::ArrayWriter writer(file, file);
   writer.write("time", std::vector<double>{0, 1}, {2});

@@ -114,7 +114,7 @@ TEST(SnapshotMoments, ShareTheMotionOrTheTime) {
   EXPECT_EQ(record::snapshotMoments(motion, settings, 1).front().time, 10);
 }
 
-/// A deployment by dynamics, which snaps open and then creeps, in trajectory.h5.
+/// A deployment by dynamics, which opens fast and then creeps, in trajectory.h5.
 class DynamicRun : public testing::Test {
  protected:
   DynamicRun() {
@@ -128,7 +128,7 @@ class DynamicRun : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-// The figures that the feature is for, measured on the poses that are painted.
+// The required figures, measured on the painted poses.
 TEST_F(DynamicRun, IsShownAtAnEvenPaceWithClosedJoints) {
   const trajectory::TrajectoryReader run(folder_ / "run.h5");
   const std::vector<record::FrameMoment> moments = record::videoMoments(record::motionOf(run), {});

@@ -37,7 +37,7 @@ scene::Scene tessellationScene() {
   return scene;
 }
 
-/// Whether the outermost rows and columns of a picture hold nothing but the background.
+/// Whether the outermost rows and columns of a picture have only the background.
 bool hasFreeBorder(const picture::Frame& frame) {
   const picture::Colour background = frame.at(0, 0);
   for (int x = 0; x < frame.size.width; ++x) {
@@ -142,7 +142,7 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 }
 
 TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
-  // No sample and no news, until something ends it.
+  // No sample and no progress until the end.
   const record::Deployer stuck =
       [](const scene::Scene& scene, double interval, const run::SampleObserver& observer,
          const run::TrialObserver& searching, run::Checkpoints* checkpoints) {
@@ -163,7 +163,7 @@ TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
         return record::Interruption("the test");
       },
       stuck);
-  EXPECT_EQ(asked, 1);  // another signal would be for what comes next
+  EXPECT_EQ(asked, 1);  // a later signal would end the next stage
   EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 1);
@@ -239,7 +239,7 @@ TEST_F(RecordTest, MakesAGridForPrint) {
   EXPECT_THAT(messageOfRecording(), HasSubstr("give a smaller --dpi"));
 }
 
-/// As poppler reads it: three of its units are a point.
+/// In poppler's units: three are a point.
 TEST_F(RecordTest, TypeHasItsPointsInThePdf) {
   if (!test::hasProgram("pdftohtml")) {
     GTEST_SKIP() << "no pdftohtml here; scripts/setup --with-tools installs poppler-utils";
@@ -421,7 +421,7 @@ TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
-  // Where frames are to be written; there are more than queues hold.
+  // Folder for frames. There are more than queues hold.
   settings_.frames = true;
   settings_.pace = record::Pace::Even;
   const auto recording = [this] {

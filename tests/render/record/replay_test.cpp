@@ -10,7 +10,8 @@
 namespace kirireel {
 namespace {
 
-/// One brick that goes along x at 1 m/s and turns about z at 1 rad/s, sampled every 0.1 s to 1 s.
+/// One brick that moves along x at 1 m/s and rotates about z at 1 rad/s, sampled every 0.1 s to 1
+/// s.
 class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {

@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 
 const std::vector<double> kTimes = {0, 0.1, 0.2, 0.3, 0.4, 0.5};
-/// Moves faster and faster.
+/// Accelerated motion.
 const record::MotionCurve kMotion(kTimes, {0, 1, 4, 9, 16, 25});
 
 using Unit = record::FrameChoice::Unit;

@@ -16,7 +16,7 @@ TEST(ContactLayout, RowsEndWhereSeriesDo) {
   EXPECT_EQ(sweep::layOutContacts(40, 20).shape, (picture::GridShape{8, 5}));
   EXPECT_EQ(sweep::layOutContacts(21, 7).shape, (picture::GridShape{3, 7}));
   EXPECT_EQ(sweep::layOutContacts(60, 2).shape, (picture::GridShape{8, 8}));
-  // Neither one nor thirteen columns of 26 make a page; one series is all alike.
+  // One or thirteen columns of 26 pictures would be no page. A series has equal pictures.
   EXPECT_EQ(sweep::layOutContacts(2 * 31, 31).shape, (picture::GridShape{8, 8}));
   EXPECT_EQ(sweep::layOutContacts(13, 13).shape, (picture::GridShape{4, 4}));
   EXPECT_EQ(sweep::layOutContacts(7, 1).shape, (picture::GridShape{3, 3}));

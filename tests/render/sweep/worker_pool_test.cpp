@@ -18,7 +18,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-/// Runs jobs 0 to count - 1 and keeps what was heard of them.
+/// Runs jobs 0 to count - 1 and stores the reports about them.
 struct PoolRun {
   std::map<std::uint64_t, std::string> lost;
   std::map<sweep::Verdict, int> verdicts;

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A square tessellation that turns as it moves up.
+/// A square tessellation that rotates while it moves up.
 struct Turning {
   std::vector<brick::Brick> bricks;
   Poses start;
@@ -32,7 +32,7 @@ struct Turning {
       const double angle = (i % 2 == 0 ? 0.07 : -0.07) * static_cast<double>(k);
       key.poses[i].rotation = rotationFromVector({0.2 * angle, 0, angle});
       key.poses[i].position.z() += 0.01 * static_cast<double>(k);
-      // The same rotation with the other sign: what a solver may give.
+      // The same rotation with the other sign, which solvers may give.
       if (k % 3 == 0) key.poses[i].rotation.coeffs() = -key.poses[i].rotation.coeffs();
     }
     return key;

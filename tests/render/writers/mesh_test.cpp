@@ -25,7 +25,7 @@ using test::bytesOf;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
-/// Surfaces as this test's own readers see them.
+/// Surfaces as read by this test.
 struct Surface {
   std::vector<Vector3> vertices;
   std::vector<std::vector<int>> faces;
@@ -90,7 +90,7 @@ Surface readPly(const std::string& text) {
   return surface;
 }
 
-/// How often faces run along each directed edge.
+/// The number of faces along each directed edge.
 std::map<std::pair<int, int>, int> directedEdges(const Surface& surface) {
   std::map<std::pair<int, int>, int> uses;
   for (const std::vector<int>& face : surface.faces) {
@@ -99,7 +99,7 @@ std::map<std::pair<int, int>, int> directedEdges(const Surface& surface) {
   return uses;
 }
 
-/// Every edge has one face on each side, and these agree on what is outside.
+/// Every edge has one face on each side, with consistent orientation.
 void expectClosed(const Surface& surface) {
   const auto uses = directedEdges(surface);
   for (const auto& [edge, count] : uses) {
@@ -108,7 +108,7 @@ void expectClosed(const Surface& surface) {
   }
 }
 
-/// For each face, the number of the connected piece that it belongs to.
+/// The number of the connected piece of each face.
 std::vector<int> piecesOf(const Surface& surface) {
   std::vector<int> parent(surface.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -199,7 +199,8 @@ bool earlier(const Vector3& a, const Vector3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-/// Corners to the last bit; each brick closed, outward, apart, of its volume within a part of it.
+/// Corners are equal to the last bit. Each brick is closed, outward and separate. Volumes are equal
+/// up to a relative error.
 void expectExactBricks(const Surface& surface, const Layout& layout, double volumeError = 1e-12) {
   std::vector<Vector3> corners;
   for (std::size_t k = 0; k < layout.bricks.size(); ++k) {
@@ -326,7 +327,7 @@ FloatPoints floatCorners(const Layout& layout) {
   return points;
 }
 
-/// assimp reads single precision, and the last bit of it not quite. Measured: 9.5e-7.
+/// assimp reads single precision with an error in the last bit. Measured: 9.5e-7.
 void expectNear(const FloatPoints& read, const FloatPoints& expected) {
   ASSERT_EQ(read.size(), expected.size());
   for (auto r = read.begin(), w = expected.begin(); r != read.end(); ++r, ++w) {

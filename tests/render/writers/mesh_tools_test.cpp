@@ -10,7 +10,7 @@
 namespace kirireel {
 namespace {
 
-/// The whole number that follows a label in a program's output; -1 without it.
+/// The integer after a label in a program's output; -1 without it.
 int numberAfter(const std::string& output, const std::string& label) {
   const std::size_t place = output.find(label);
   return place == std::string::npos ? -1 : std::stoi(output.substr(place + label.size()));

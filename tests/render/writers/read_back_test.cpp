@@ -1,4 +1,4 @@
-// Cut patterns read back: the sheet that they were drawn from, up to the order of its tiles.
+// Cut patterns read back: the drawn sheet, up to the order of its tiles.
 #include <array>
 #include <cmath>
 #include <map>
@@ -121,7 +121,7 @@ TEST(Patterns, TellOfHolesInTiles) {
             "");
 }
 
-/// A pattern as an editor saves it: relative paths, groups with transforms, rounded.
+/// A pattern saved by an editor: relative paths, groups with transforms, rounded.
 std::string resaved(const std::vector<writers::PatternLine>& lines, int digits, double size) {
   const char* names[] = {"cuts", "slits", "hinges"};
   std::string text = fmt::format(
@@ -168,7 +168,7 @@ TEST(Patterns, ComeBackAfterAnEditor) {
   }
 }
 
-/// A joint by its place and the places of its tiles, in units of 1e-4 of the sheet.
+/// A joint by its position and the positions of its tiles, in units of 1e-4 of the sheet.
 std::set<std::array<long, 6>> placesOf(const model::Model& model, double size) {
   const Vector3 middle = test::meanCorner(model.tiles);
   std::set<std::array<long, 6>> places;
@@ -279,7 +279,7 @@ TEST(Patterns, OfOpenSheetsNeedNoNamesOfLayers) {
   }
 }
 
-// A fallback that ignores the hinges must not make one tile of two.
+// The fallback without hinges must not join two tiles to one.
 TEST(Patterns, KeepEachHingeOrAreRefused) {
   const std::string text =
       "<svg width='30mm' height='30mm' viewBox='0 0 30 30'><g id='cuts'><path d='M15.93 "

@@ -1,7 +1,7 @@
-// Every model of data/ and 50 random ones through each format that can hold them.
+// Every model of data/ and 50 random ones through each format that can store them.
 //
-// Oracle: the model that was written. FOLD, OBJ and folders keep every bit, planar files all
-// distances, drawings all places. Mobility is computed again for each model that is read.
+// Oracle: the written model. FOLD, OBJ and folders keep every bit, planar files all distances,
+// drawings all positions. Mobility is computed again for each model.
 #include <map>
 #include <optional>
 #include <random>
@@ -116,7 +116,7 @@ void expectDrawingsKeep(const model::Model& model, const std::string& name,
 }
 
 /// The length of the shortest edge. Absent if edges of two tiles differ by less than a millionth of
-/// the sheet but are not equal: readers take them for one.
+/// the sheet but are not equal: readers join them.
 std::optional<double> leastDrawnEdge(const model::Model& model) {
   const double tile = model::tileSize(model);
   std::vector<std::pair<Vector3, Vector3>> edges;
@@ -164,7 +164,7 @@ TEST(RoundTrips, KeepTheModelsOfData) {
 
 class RandomModels {
  public:
-  /// A model of a random family with random parameters; absent if they do not fit each other.
+  /// A model of a random family with random parameters; absent if these contradict each other.
   std::optional<model::Model> draw() {
     const std::vector<generate::Family>& families = generate::families();
     return draw(families[random_() % families.size()]);
@@ -185,7 +185,7 @@ class RandomModels {
     }
   }
 
-  /// The same model with another place in space and random faces.
+  /// The same model in another position in space with random faces.
   model::Model turned(model::Model model) {
     const Matrix3 turn =
         rotationFromVector(Vector3(share(), share(), 3 * share())).toRotationMatrix();

@@ -1,4 +1,4 @@
-/// Compares a sheet that was read from a drawing with the sheet that was drawn.
+/// Compares a sheet read from a drawing with the drawn sheet.
 #pragma once
 
 #include <set>
@@ -26,7 +26,7 @@ inline Vector3 meanCorner(const std::vector<model::Tile>& tiles) {
   return sum / count;
 }
 
-/// The corner of `tiles` at a corner's place, of the tile round the same centroid.
+/// The corner of `tiles` at a corner's position, of the tile with the same centroid.
 inline std::pair<int, int> cornerLike(const model::Model& model, const model::Corner& corner,
                                       const std::vector<model::Tile>& tiles, const Vector3& moved,
                                       double tolerance) {
@@ -45,8 +45,8 @@ inline CornerPair sorted(std::pair<int, int> a, std::pair<int, int> b) {
   return a < b ? CornerPair{a, b} : CornerPair{b, a};
 }
 
-/// Expects the tiles and joints of a drawing that was read back, in any order and anywhere in the
-/// plane. Corners are compared by their places.
+/// Expects the tiles and joints of the drawing, in any order and any position in the plane. Corners
+/// are compared by position.
 inline void expectSameSheet(const model::Model& read, const model::Model& drawn,
                             const std::string& what) {
   ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;

@@ -50,7 +50,8 @@ std::vector<model::Tile> readAsPyKirigamiDoes(const std::string& text) {
   return tiles;
 }
 
-/// In the plane of a sheet the sheet faces up, for any initial side. Rotated back it is unchanged.
+/// In its own plane the sheet is seen from above, for any initial side. Rotated back it is
+/// unchanged.
 TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
   const model::Model flat = generate::makeTessellation(shapeOf(3, 2, 0.4));
   for (const Vector3& turn :

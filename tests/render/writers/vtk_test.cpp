@@ -45,7 +45,7 @@ struct State {
   std::string text() const { return writers::vtuText(subject, start, sample); }
 };
 
-/// The numbers of an array, unpacked by Python's own library where they are compressed.
+/// The numbers of an array, unpacked by Python's own library if they are compressed.
 std::vector<double> arrayOf(const std::string& text, const std::string& name) {
   const std::size_t start = text.find("Name=\"" + name);
   const std::size_t begin = text.find('>', start) + 1;
