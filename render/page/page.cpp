@@ -499,6 +499,7 @@ Json styleJson(picture::Theme theme, const picture::Appearance& appearance) {
           {"brick", coloursJson(style.brick)},
           {"map", mapJson(appearance.map, style.background)},
           {"edge", colourJson(style.edge)},
+          {"measure_edge", colourJson(styleOf(themed).edge)},
           {"ground", colourJson(style.ground)},
           {"scenery", colourJson(style.scenery)},
           {"shadow", colourJson(style.shadow)},

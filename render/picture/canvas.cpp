@@ -123,7 +123,7 @@ class SvgCanvas : public Canvas {
   void setOutlines(const OutlineStyle& style) override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
+  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
@@ -181,10 +181,9 @@ void SvgCanvas::appendRules(const OutlineStyle& style, const std::string& scope)
       "{0}.seam {{ fill: none; stroke-width: {2:.3g} }}\n"
       "{0}.outline {{ fill: none; stroke: {3}; stroke-width: {4:.4g}; stroke-linejoin: round; "
       "stroke-linecap: round }}\n"
-      "{0}.silhouette {{ stroke-width: {5:.4g} }}\n"
-      "{0}.pale {{ stroke: {6} }}\n",
+      "{0}.silhouette {{ stroke-width: {5:.4g} }}\n",
       scope, seamWidth(style), cutSeamWidth(style), hex(style.colour), style.slitWidth,
-      style.silhouetteWidth, hex(style.paleColour));
+      style.silhouetteWidth);
 }
 
 void SvgCanvas::setOutlines(const OutlineStyle& style) {
@@ -230,12 +229,11 @@ void SvgCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   append("<path class=\"seam\" stroke=\"{}\" d=\"{}\"/>\n", hex(colour), path);
 }
 
-void SvgCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) {
+void SvgCanvas::outlines(const std::vector<Points>& lines, Line kind, double opacity) {
   const std::string path = pathOf(lines);
   if (path.empty()) return;
-  append("<path class=\"outline{}{}\"{} d=\"{}\"/>\n",
-         kind == Line::Silhouette ? " silhouette" : "", pale ? " pale" : "", opacityText(opacity),
-         path);
+  append("<path class=\"outline{}\"{} d=\"{}\"/>\n", kind == Line::Silhouette ? " silhouette" : "",
+         opacityText(opacity), path);
 }
 
 void SvgCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {
@@ -334,7 +332,7 @@ class CairoCanvas : public Canvas {
   void setOutlines(const OutlineStyle& style) override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
+  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
@@ -496,9 +494,9 @@ double CairoCanvas::silhouetteWidth() const {
   return internals_->outlines().silhouetteWidth;
 }
 
-void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) {
+void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, double opacity) {
   const OutlineStyle& style = internals_->outlines();
-  Colour colour = pale ? style.paleColour : style.colour;
+  Colour colour = style.colour;
   colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
   internals_->choose(colour);
   cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_ROUND);
@@ -729,13 +727,13 @@ void drawShadow(std::vector<Piece> pieces, const Projector& project, const std::
 
 void drawOutlines(const std::vector<VisibleOutline>& outlines, const Projector& project,
                   Canvas& canvas) {
-  for (const auto& [lines, pale, opacity] : outlines) {
+  for (const auto& [lines, opacity] : outlines) {
     std::vector<Canvas::Points> slits, silhouettes;
     for (const auto& [points, isSilhouette] : lines) {
       (isSilhouette ? silhouettes : slits).push_back(project(points));
     }
-    canvas.outlines(slits, Canvas::Line::Slit, pale, opacity);
-    canvas.outlines(silhouettes, Canvas::Line::Silhouette, pale, opacity);
+    canvas.outlines(slits, Canvas::Line::Slit, opacity);
+    canvas.outlines(silhouettes, Canvas::Line::Silhouette, opacity);
   }
 }
 

@@ -31,8 +31,7 @@ int emOf(double points, double dotsPerInch);
 
 /// Lines around polygons on a page. Widths in pixels.
 struct OutlineStyle {
-  Colour colour;                 ///< of bricks
-  Colour paleColour;             ///< of dark bricks
+  Colour colour;
   double slitWidth = 1;          ///< of lines between tiles
   double silhouetteWidth = 1.5;  ///< of lines without a neighbour
 };
@@ -102,11 +101,9 @@ class Canvas : public Surface {
   /// Kind of a line of an outline.
   enum class Line { Slit, Silhouette };
 
-  /// Lines in the colour of outlines, or the pale one, and of their width, each through two
-  /// points or more, opacity 0 to 1. A line whose first and last points are the same is closed
-  /// without a gap.
-  virtual void outlines(const std::vector<Points>& lines, Line kind, bool pale = false,
-                        double opacity = 1) = 0;
+  /// Lines in the colour of outlines and of their width, each through two points or more, opacity
+  /// 0 to 1. A line whose first and last points are the same is closed without a gap.
+  virtual void outlines(const std::vector<Points>& lines, Line kind, double opacity = 1) = 0;
   /// Width of silhouettes in the innermost open part, pixels.
   virtual double silhouetteWidth() const = 0;
 

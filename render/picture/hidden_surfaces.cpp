@@ -483,7 +483,7 @@ std::vector<VisibleOutline> visibleOutlines(const PictureGeometry& geometry,
       if (after < 0) to = cut;
       finder.addVisible(from, to, chain);
     }
-    outlines.push_back({chain.finish(), outline.pale, outline.opacity});
+    outlines.push_back({chain.finish(), outline.opacity});
   }
   return outlines;
 }

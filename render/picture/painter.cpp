@@ -173,14 +173,14 @@ class Tessellator {
     if (std::ranges::any_of(outlines, [](const VisibleOutline& o) { return o.opacity < 1; })) {
       std::ranges::stable_sort(outlines, {}, [](const VisibleOutline& outline) {
         const Vector3& point = outline.lines[0].points[0];
-        return std::tuple(outline.opacity, outline.pale, point.x(), point.y(), point.z());
+        return std::tuple(outline.opacity, point.x(), point.y(), point.z());
       });
     }
     const double step = 1.9 / std::max<std::size_t>(1, outlines.size());
     double depth = 0.95;
-    for (const auto& [lines, pale, opacity] : outlines) {
+    for (const auto& [lines, opacity] : outlines) {
       depth -= step;
-      Colour colour = pale ? style.paleEdge : style.edge;
+      Colour colour = style.edge;
       colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
       mesh_.hasTranslucentLines |= colour.alpha < 255;
       const std::array<std::uint8_t, 4> channels = bytes(colour);

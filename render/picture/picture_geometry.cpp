@@ -305,8 +305,7 @@ void GeometryBuilder::drawBrick(const std::vector<Face>& faces, const Pose& pose
       layer.back().isPart = true;
     }
     if (style_.slitWidth <= 0) continue;
-    geometry.outlines.push_back(
-        {whole.first, whole.count, isDark(colours), whole.colour.alpha / 255.0});
+    geometry.outlines.push_back({whole.first, whole.count, whole.colour.alpha / 255.0});
   }
 }
 

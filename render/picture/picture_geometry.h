@@ -106,7 +106,6 @@ struct Facet {
 struct FaceOutline {
   int first = 0;       ///< of its corners in the geometry's points, anticlockwise in the picture
   int count = 0;       ///< of its corners
-  bool pale = false;   ///< whether the lines are pale, as on dark bricks
   double opacity = 1;  ///< of its brick
 };
 
@@ -217,7 +216,6 @@ struct VisibleLine {
 /// The visible lines of an outline.
 struct VisibleOutline {
   std::vector<VisibleLine> lines;
-  bool pale = false;   ///< see FaceOutline
   double opacity = 1;  ///< of its brick
 };
 

@@ -94,7 +94,7 @@ void setOutlineWidths(const Appearance& appearance, FrameSize size, Style& style
 Style styleFor(const Appearance& appearance, const PictureContent& content, FrameSize size) {
   Style style = pageStyle(appearance);
   style.brick = plainColours(appearance);
-  if (appearance.outlineColour) style.edge = style.paleEdge = *appearance.outlineColour;
+  if (appearance.outlineColour) style.edge = *appearance.outlineColour;
   if (appearance.occlusion) style.occlusion = *appearance.occlusion;
   setOutlineWidths(appearance, size, style);
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
@@ -278,6 +278,7 @@ PictureSetup::PictureSetup(const Appearance& appearance, PictureContent content,
       trails_(appearance.trails),
       cueShare_(appearance.depthCue),
       legend_(palette_.legend()) {
+  if (!appearance.outlineColour) style_.edge = outlineOn(style_.edge, palette_.hues());
   for (LegendEntry& entry : legend_) {
     entry.colour = shownFaceOn(entry.colour, style_, groundColour(appearance, content_));
   }
@@ -709,7 +710,7 @@ void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t
 }  // namespace
 
 BrickPalette::BrickPalette(const Appearance& appearance, const PictureContent& content)
-    : colouring_(appearance.colouring), content_(content) {
+    : colouring_(appearance.colouring), content_(content), plain_(plainColours(appearance)) {
   if (colouring_ == Colouring::TargetError && !content.target) {
     throw InputError(
         "error: the model has no target, so there is no target error to show; give another "
@@ -732,7 +733,7 @@ BrickPalette::BrickPalette(const Appearance& appearance, const PictureContent& c
   }
   if (!appearance.tileColours.empty()) colourTiles(appearance);
   const bool hasOwn = !own_.empty() || !opacities_.empty();
-  if (kinds_.empty() && hasOwn) kinds_.assign(content.bricks.size(), plainColours(appearance));
+  if (kinds_.empty() && hasOwn) kinds_.assign(content.bricks.size(), plain_);
   if (isMeasure(colouring_)) makeScale(appearance);
 }
 
@@ -879,6 +880,21 @@ std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
     colours.push_back(shadesOf(colour));
   }
   return colours;
+}
+
+std::vector<Colour> BrickPalette::hues() const {
+  std::vector<Colour> hues;
+  if (scale_) {
+    constexpr int kSteps = 16;
+    for (int k = 0; k <= kSteps; ++k) hues.push_back(colourAt(*scale_, k / double{kSteps}));
+  } else if (colouring_ == Colouring::State) {
+    hues = {kAtStart, kMoving, kAtTarget};
+  }
+  for (std::size_t brick = 0; brick < kinds_.size(); ++brick) {
+    hues.push_back((own_.empty() ? kinds_[brick] : own_[brick].value_or(kinds_[brick])).top);
+  }
+  if (hues.empty()) hues.push_back(plain_.top);
+  return hues;
 }
 
 std::vector<BrickColours> BrickPalette::colours(const Poses& poses, double time) const {

@@ -261,6 +261,9 @@ class BrickPalette {
   /// moments. Fast relative to painting.
   std::vector<BrickColours> colours(const Poses& poses, double time = 0) const;
 
+  /// All colours that the tops of bricks can have during the run, unlit. At least one.
+  std::vector<Colour> hues() const;
+
   /// The scale of the colours of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
   /// The legend of colours of kinds of bricks: shapes, states, named groups. Unlit, with the
@@ -283,6 +286,7 @@ class BrickPalette {
 
   Colouring colouring_;
   const PictureContent& content_;
+  BrickColours plain_;               ///< of bricks without their own colours
   std::vector<BrickColours> kinds_;  ///< one per brick, for colours by shape or tile by tile
   std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one per brick; or empty
   std::vector<double> opacities_;                 ///< one per brick; empty if all are opaque

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace kirireel::picture {
@@ -48,13 +49,6 @@ Style darkStyle() {
   style.overlay = {255, 110, 150};
   style.text = {226, 228, 232};
   return style;
-}
-
-bool isDark(const BrickColours& colours) {
-  constexpr double kDarkest = 85;
-  // Brightness as the eye weighs it (ITU-R BT.601).
-  const Colour top = colours.top;
-  return 0.299 * top.red + 0.587 * top.green + 0.114 * top.blue < kDarkest;
 }
 
 BrickColours withOpacity(BrickColours colours, double opacity) {
@@ -270,6 +264,16 @@ Colour readableText(Colour text, Colour background) {
   }
   constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255};
   return contrastOf(kBlack, background) > contrastOf(kWhite, background) ? kBlack : kWhite;
+}
+
+Colour outlineOn(Colour edge, std::span<const Colour> bricks) {
+  constexpr Colour kPale = {205, 211, 220};
+  const auto leastContrast = [bricks](Colour outline) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Colour brick : bricks) least = std::min(least, contrastOf(outline, brick));
+    return least;
+  };
+  return leastContrast(kPale) > leastContrast(edge) ? kPale : edge;
 }
 
 Colour readableHue(Colour colour, Colour background) {

@@ -62,8 +62,7 @@ struct Style {
   Colour background = {255, 255, 255};              ///< alpha below 255 gives a transparent picture
   BrickColours brick;                               ///< of bricks without their own colours
   BrickColours pinned = shadesOf({135, 206, 235});  ///< of pinned bricks: sky blue
-  Colour edge = {38, 50, 66};                       ///< outlines
-  Colour paleEdge = {168, 176, 188};                ///< outlines of dark bricks, see isDark()
+  Colour edge = {38, 50, 66};                       ///< outlines, see outlineOn()
   Colour ground = {238, 238, 236};                  ///< of the plate, unlit
   Colour scenery = {176, 176, 174};                 ///< of obstacles
   /// Unlit colour of the shadow on the plate. With alpha below 255 it blends with the
@@ -82,10 +81,10 @@ struct Style {
   /// other side, and without one. 0: no lines.
   double slitWidth = 0.00196;
   double silhouetteWidth = 0.00294;
-  double markSize = 0.016;      ///< diameter of a dot, in heights of the picture
-  double overlayWidth = 0.003;  ///< of lines laid over, in heights of the picture
-  double ambient = 0.58;        ///< brightness of an unlit face
-  Light key = {Vector3(-0.36, 0.48, 0.8), 0.40};   ///< main light, from the upper left
+  double markSize = 0.016;                        ///< diameter of a dot, in heights of the picture
+  double overlayWidth = 0.003;                    ///< of lines laid over, in heights of the picture
+  double ambient = 0.58;                          ///< brightness of an unlit face
+  Light key = {Vector3(-0.36, 0.48, 0.8), 0.40};  ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.16};  ///< softer, from the right
   /// Brightness loss of a face that other bricks fully occlude, 0 (none) to 1.
   double occlusion = 0.6;
@@ -104,9 +103,9 @@ Style darkStyle();
 /// axes, +z for a face seen face on. occluded: see Occluders, 0 to 1.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);
 
-/// Whether dark outlines would have little contrast to a brick with these colours: luma below 85 of
-/// 255 on the top face.
-bool isDark(const BrickColours& colours);
+/// The colour of all outlines of a run: the given one, or a pale one if that has more contrast to
+/// the brick with the least. bricks: unlit.
+Colour outlineOn(Colour edge, std::span<const Colour> bricks);
 
 /// Position of a point's shadow on the style's plate, which must exist.
 Vector3 shadowOf(const Vector3& point, const Style& style);

@@ -580,7 +580,7 @@ namespace {
 picture::OutlineStyle outlinesOf(const picture::PictureSetup& setup) {
   const picture::Style& style = setup.style();
   const int height = setup.pictureSize().height;
-  return {style.edge, style.paleEdge, style.slitWidth * height, style.silhouetteWidth * height};
+  return {style.edge, style.slitWidth * height, style.silhouetteWidth * height};
 }
 
 picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::FrameSize size,

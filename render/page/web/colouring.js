@@ -93,7 +93,11 @@ class Colouring {
       bar.style.background = `linear-gradient(to right, ${stops})`;
     }
     for (const stage of this.stages) {
-      stage.setStyle(style, this.measure ? style.measure_lights : style.lights);
+      if (this.measure) {
+        stage.setStyle({ ...style, edge: style.measure_edge }, style.measure_lights);
+      } else {
+        stage.setStyle(style, style.lights);
+      }
       this.colour(stage, style);
     }
   }

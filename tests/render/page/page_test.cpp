@@ -72,6 +72,8 @@ TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
   const Json data = dataOf(text());
   const picture::Style style = picture::darkStyle();
   EXPECT_EQ(data["dark"]["edge"], Json({style.edge.red, style.edge.green, style.edge.blue}));
+  EXPECT_EQ(data["dark"]["measure_edge"], data["dark"]["edge"]);
+  EXPECT_NE(data["light"]["measure_edge"], data["light"]["edge"]);
   EXPECT_EQ(data["dark"]["lights"]["ambient"], style.ambient);
   EXPECT_EQ(data["light"]["lights"]["key"]["strength"], picture::Style().key.strength);
   EXPECT_EQ(data["light"]["brick"][1], Json({128, 174, 220}));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -321,6 +322,35 @@ TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
               fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
                           "to {}",
                           content.bricks.size(), content.bricks.size() - 1));
+  }
+}
+
+TEST(BrickPalette, OutlinesHaveOneColourThatAllBricksShow) {
+  const picture::PictureContent content = tessellationContent();
+  const auto leastContrast = [&content](const picture::Appearance& appearance) {
+    const picture::Style style = picture::PictureSetup(appearance, content, {320, 240}).style();
+    double least = 21;
+    for (const picture::Colour hue : picture::BrickPalette(appearance, content).hues()) {
+      least = std::min(least, picture::contrastOf(hue, style.edge));
+    }
+    return least;
+  };
+  for (const auto theme : {picture::Theme::Light, picture::Theme::Dark}) {
+    picture::Appearance appearance = coloured(picture::Colouring::TargetError);
+    appearance.theme = theme;
+    for (const auto map :
+         {picture::ColourMap::Viridis, picture::ColourMap::Cividis, picture::ColourMap::CoolWarm}) {
+      appearance.map = map;
+      EXPECT_GT(leastContrast(appearance), 1.9);  // 2.1 to 4.9
+    }
+    appearance.colouring = picture::Colouring::Plain;
+    EXPECT_GT(leastContrast(appearance), 4);  // 5.6, 8.0
+    appearance.brickColour = picture::Colour{0, 0, 128};
+    EXPECT_GT(leastContrast(appearance), 4);  // 10.7
+    // A black tile keeps the dark outlines of a light page, but not those of a dark one.
+    appearance.brickColour = std::nullopt;
+    appearance.tileColours = {{{3}, test::kBlack, ""}};
+    EXPECT_GT(leastContrast(appearance), 1.5);  // 1.6
   }
 }
 
