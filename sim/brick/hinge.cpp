@@ -396,15 +396,15 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
 
 namespace {
 
-/// The turns of both bricks about the normal since the start. Each is known up to full turns. B's
-/// turn is therefore chosen near A's.
+/// The turns of both bricks about the normal since the start. Quaternions give each up to two full
+/// turns. B's turn is therefore chosen near A's.
 std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
   const auto turnOf = [&](int brick) {
     const Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
     return 2 * std::atan2(rotation.vec().dot(ligament.normal), rotation.w());
   };
   const double turnA = turnOf(ligament.brickA), turnB = turnOf(ligament.brickB);
-  return {turnA, turnA + std::remainder(turnB - turnA, 2 * std::numbers::pi)};
+  return {turnA, turnA + std::remainder(turnB - turnA, 4 * kPi)};
 }
 
 Matrix3 axesOf(const Ligament& ligament) {

@@ -199,7 +199,10 @@ LigamentFate fateOf(double length, int exact, double stiffness, double step, dou
   double before = start;
   LigamentFate fate;
   for (int k = 0; k < 120; ++k) {
+    const Poses from = sheet.motion.poses;
     fate.unconverged += solver->advance(sheet.motion, step, test::noLoads, nullptr).unconverged;
+    // Tiles on soft springs turn right round. A run ends there.
+    if (brick::findJump(sheet.springs, from, sheet.motion.poses)) break;
     const double after = test::energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
     if (!sheet.pivots.empty()) {
@@ -221,7 +224,7 @@ TEST(LigamentSteps, NeverDiverge) {
                                                  length, exact, stiffness, step, damping);
             // Measured: 7.7e-5, from closing exact joints next to ligaments. Tiles on softer ones
             // make full turns, where the angle of a hinge jumps: 8.4e-3.
-            EXPECT_LT(fate.growth, stiffness < 0.5 ? 0.05 : 5e-3) << name;
+            EXPECT_LT(fate.growth, 5e-3) << name;
             EXPECT_LT(fate.gap, 1e-10) << name;  // measured 1.3e-12
             EXPECT_EQ(fate.unconverged, 0) << name;
           }

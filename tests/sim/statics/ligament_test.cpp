@@ -106,6 +106,25 @@ TEST(Ligaments, HoldNothingAsTheWholeTurns) {
   }
 }
 
+// Up to a full turn between the bricks, however far both are turned.
+TEST(Ligaments, TakeTheTurnsOfTheirBricksFromThePoses) {
+  Two two;
+  two.ligament.brickB = 1;
+  for (const double turnA : {-9.0, -3.0, 0.0, 5.0}) {
+    for (const double between : {-6.2, -3.2, -1.0, 3.1, 3.2, 6.2}) {
+      Vector6 u = two.rest();
+      u[2] = turnA;
+      u[5] = turnA + between;
+      const auto poseOf = [&](int first) {
+        return Pose{Vector3(u[first], u[first + 1], 0),
+                    Quaternion(Eigen::AngleAxisd(u[first + 2], Vector3::UnitZ()))};
+      };
+      const double stated = brick::ligamentEnergy(two.ligament, {poseOf(0), poseOf(3)}).energy;
+      EXPECT_NEAR(stated, two.at(u).energy, 1e-12) << turnA << ' ' << between;  // measured 2e-15
+    }
+  }
+}
+
 // A slender neck that is clamped at one end. At the other end a force displaces it by F L^3 / (3 E
 // I), and a moment turns it by M L / (E I).
 TEST(Ligaments, WithTheirBendingAreBeams) {
