@@ -29,7 +29,7 @@ std::string page(const Words& words) {
   return std::get<cli::PrintOrder>(cli::parseCommandLine(words)).text;
 }
 
-TEST(CommandLine, HelpTellsTheExitCodes) {
+TEST(CommandLine, HelpListsTheExitCodes) {
   for (const Words& words : {Words{"--help"}, {"record", "--help"}, {"simulate", "--help"}}) {
     EXPECT_THAT(
         page(words),
@@ -172,7 +172,7 @@ TEST(CommandLine, ReadsEveryPictureOption) {
   EXPECT_FALSE(recordOrder({"record", "fan", "--no-snapshots"}).settings.snapshots);
 }
 
-TEST(CommandLine, ReadsEveryOptionOfTheLook) {
+TEST(CommandLine, ReadsEveryOptionOfTheStyle) {
   const picture::Appearance appearance =
       recordOrder({"record", "fan", "--theme", "dark", "--colour", "rotation", "--colour-map",
                    "cividis", "--colour-most", "90", "--ground-look", "shadow", "--transparent",
@@ -417,7 +417,7 @@ TEST(CommandLine, VersionNamesTheLibraries) {
   EXPECT_THAT(version, HasSubstr("bullet 3."));
 }
 
-TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
+TEST(CommandLine, RenderOfSeveralRunsNeedsAFolder) {
   const auto order = std::get<cli::RenderOrder>(cli::parseCommandLine(
       {"render", "out/fan/trajectory.h5", "out/cap/trajectory.h5", "--out", "x"}));
   EXPECT_EQ(order.trajectories.size(), 2);

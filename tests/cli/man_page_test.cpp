@@ -29,7 +29,7 @@ std::string shown(const std::string& name) {
                               (folder / name).string()));
 }
 
-TEST(ManPages, ThereIsOneForEachCommand) {
+TEST(ManPages, ExistForEachCommand) {
   std::vector<std::string> names;
   for (const auto& page : pages()) names.push_back(page.first);
   std::vector<std::string> expected = {"kirireel.1"};
@@ -39,7 +39,7 @@ TEST(ManPages, ThereIsOneForEachCommand) {
   EXPECT_EQ(names, expected);
 }
 
-TEST(ManPages, TroffHasNothingToSayAgainstThem) {
+TEST(ManPages, HaveNoWarningsFromTroff) {
   if (!hasProgram("groff")) GTEST_SKIP() << "install groff to check man pages";
   const test::TemporaryFolder folder;
   for (const auto& [name, text] : pages()) {
@@ -68,7 +68,7 @@ TEST(ManPages, ShowFamiliesAndExamples) {
               HasSubstr("EXAMPLES\n kirireel record data/tessellation_4x4\n"));
 }
 
-TEST(ManPages, KeepLettersThatMeanSomethingToTroff) {
+TEST(ManPages, KeepSpecialLettersOfTroff) {
   cli::CommandDescription program{"name", "a \\ b", "  .so file\n  'quoted'", {}, {}, {}};
   program.options.push_back({{"-x", "--x-y"}, "x_y", "", "Options", "", ".begins so", {}, true});
   const std::string text = cli::manPages(program, "1").front().second;

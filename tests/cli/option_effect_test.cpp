@@ -246,7 +246,7 @@ TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
 }
 
 // A scene file may hold settings for several uses.
-TEST(OptionEffects, AreAskedOfWhatIsTyped) {
+TEST(OptionEffects, AreCheckedForTypedOptions) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "run.toml") << "[environment]\nbrick_friction = 0.3\ncontacts = \"none\"\n"
                                         "[style]\ncolour_map = \"cividis\"\n";
@@ -258,7 +258,7 @@ TEST(OptionEffects, AreAskedOfWhatIsTyped) {
 }
 
 // PyKirigami accepts all combinations of its options.
-TEST(OptionEffects, AreNotAskedOfPyKirigami) {
+TEST(OptionEffects, AreNotCheckedForPyKirigami) {
   EXPECT_EQ(refusalOfWords(
                 {"record", "--model", "fan", "--actuation", "none", "--spring_stiffness", "25"}),
             "accepted");

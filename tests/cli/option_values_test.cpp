@@ -204,7 +204,7 @@ TEST(OptionColour, IsHexadecimalOrAName) {
   }
 }
 
-TEST(OptionCameraKeys, SayWhichKeyIsWrong) {
+TEST(OptionCameraKeys, ReportWhichKeyIsWrong) {
   EXPECT_EQ(test::refusalOf([] {
               cli::parseCameraKeys({"--camera-keys", "0:0:0:1,2:30:4"});
             }),

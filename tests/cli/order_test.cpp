@@ -256,7 +256,7 @@ TEST(Orders, HaveASampleOfEveryOption) {
   EXPECT_EQ(count, static_cast<int>(known.size()));
 }
 
-TEST(Orders, AreToldApartByEveryOption) {
+TEST(Orders, DifferInEveryOption) {
   for (const Sample& sample : samples()) {
     std::set<std::string> terms = {termsOf(sample.needed)};
     const std::size_t values = std::max<std::size_t>(1, sample.values.size());
@@ -282,7 +282,7 @@ TEST(Orders, ConvertLengthsToMetres) {
   EXPECT_DOUBLE_EQ(model::tileSize(scene.model), 1e-3);
 }
 
-TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
+TEST(Orders, DoNotDifferInOptionsWithoutEffect) {
   const std::string plain = termsOf({});
   for (const Words& words :
        {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"}, Words{"--page"},
@@ -306,7 +306,7 @@ TEST(Orders, AreMadeAgainFromTheirSettings) {
   }
 }
 
-TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
+TEST(Orders, AreTheSameInAnySpelling) {
   const Words plain = {"--thickness", "0.03", "--contacts", "unjoined"};
   for (const Words& words :
        {Words{"--thickness=0.03", "--contacts=unjoined"},
@@ -363,7 +363,7 @@ TEST(Orders, AreTheSameInASceneFile) {
             moved);
 }
 
-TEST(OrderFingerprints, GoByWhatFilesHoldNotWhereTheyStand) {
+TEST(OrderFingerprints, DependOnContentNotOnFolders) {
   const InputFile vertices{"m/vertices.txt", "aa"};
   const InputFile pulled{"m/pull.txt", "bb"};
   const auto print = [](const std::vector<InputFile>& files, const std::string& folder) {

@@ -129,7 +129,7 @@ TEST(BadCommandLine, OddVideoSizeIsRefusedBeforeTheRun) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-TEST(BadCommandLine, TellsTheRangeThatItKeeps) {
+TEST(BadCommandLine, ReportsTheAllowedRange) {
   for (const char* option : {"--linear-damping", "--angular-damping"}) {
     expectOneLine(
         runKirireel({"simulate", "fan", option, "1"}), 2,
@@ -279,7 +279,7 @@ TEST(BadOutput, FolderThatCannotBeWritten) {
           ": error: cannot write in this folder (Read-only file system). Choose another folder");
 }
 
-TEST(BadOutput, FolderOfARunThatIsUnderWay) {
+TEST(BadOutput, FolderOfARunningRun) {
   const TemporaryFolder scratch;
   std::vector<std::string> slow = recordArguments(scratch.path());
   slow.insert(slow.end(), {"--solver", "bullet", "--substeps", "10000"});

@@ -124,7 +124,7 @@ TEST_F(BadScene, ARunWhoseTimeIsUpReportsWhetherItIsAtItsTarget) {
   }
 }
 
-TEST_F(BadScene, SpringsWithoutStiffnessPullToNothing) {
+TEST_F(BadScene, SpringsWithoutStiffnessDoNotPull) {
   EXPECT_EQ(simulate("", {"--spring-stiffness", "0", "--torque-stiffness", "0"}).exitCode, 0);
   EXPECT_EQ(summary()["path"]["reason"],
             "nothing pulls to the target; dynamics: springs or damping were given");

@@ -143,7 +143,7 @@ double missAtTheEnd(const std::string& model) {
   return count == start.size() ? most : INFINITY;
 }
 
-TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
+TEST(ProgramDrive, EndsAtTheStateOfTheDeployment) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   EXPECT_LT(missAtTheEnd("tessellation_4x4"), 1e-6);  // measured: 3.5e-7
   // 500 increments: the default path of the cap opens it first and then guides its tiles.

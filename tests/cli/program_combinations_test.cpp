@@ -403,7 +403,7 @@ class Combinations : public testing::Test {
   int faults_ = 0;
 };
 
-TEST_F(Combinations, OfTwoChoicesEndOrderly) {
+TEST_F(Combinations, OfTwoChoicesEndNormally) {
   runPart(2, 0, 1);
 }
 
@@ -437,7 +437,7 @@ class EveryFour : public Combinations, public testing::WithParamInterface<int> {
 
 constexpr int kParts = 8;
 
-TEST_P(EveryFour, EndOrderly) {
+TEST_P(EveryFour, EndNormally) {
   runPart(4, GetParam(), kParts);
 }
 

@@ -130,7 +130,7 @@ TEST_F(ConcaveTiles, DeployArePaintedAndExported) {
   EXPECT_NEAR(paintedIn(picture, 1), start, 0.02 * start);
 }
 
-TEST_F(ConcaveTiles, TouchWhereTheirSidesMeet) {
+TEST_F(ConcaveTiles, TouchAtTheirSides) {
   record(kPi * 17 / 18);
   ASSERT_EQ(end_.exitCode, kEndedShort) << end_.out << end_.err;
   const auto [arm, star] = tilesIn(run() / "final_vertices.txt");

@@ -64,7 +64,7 @@ TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
                         "0. m,\n** kerf 0.0003 m.\n"));
 }
 
-TEST(ProgramDrawings, WithoutNecksSayWhatToGive) {
+TEST(ProgramDrawings, WithoutNecksNameTheOptions) {
   const TemporaryFolder scratch;
   EXPECT_EQ(
       runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--hinge-neck", "2e9",

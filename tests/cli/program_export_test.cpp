@@ -96,7 +96,7 @@ TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
   EXPECT_THAT(filesIn(scratch.path()), ElementsAre());
 }
 
-TEST(ProgramRun, IsDoneAlsoWhereAStateToExportIsNotInIt) {
+TEST(ProgramRun, CompletesWithoutARequestedState) {
   const TemporaryFolder scratch;
   const ProgramEnd end =
       runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",

@@ -120,7 +120,7 @@ TEST_F(Files, HullsFeedTheBoundary) {
   EXPECT_NE(readText(scratch_ / "out/final_vertices.txt"), byOutline);
 }
 
-TEST_F(Files, HullsThatAreWrongAreRefusedWhereTheyAreNeeded) {
+TEST_F(Files, WrongHullsAreRefusedIfTheyAreNeeded) {
   write(openSquares(), {});
   writeText(scratch_ / "sheet_hull.txt", "0 0\n99 1\n2 2\n");
   const ProgramEnd unused = simulate("sheet_vertices.txt");
@@ -158,7 +158,7 @@ TEST_F(Files, TilesAreNamedAsTheFileCountsThem) {
 }
 
 // Four quads without a path of closed joints to their target: joints open by at least 1.7e-2 m.
-TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
+TEST_F(Files, DesignsWithoutFreedomArriveAndReportOpenings) {
   formats::writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
   const ProgramEnd end = simulate("nonrigid");
   EXPECT_EQ(end.exitCode, 0);
@@ -177,7 +177,7 @@ TEST_F(Files, LongChainsRestAtFullExtension) {
 }
 
 // Flush quads that bend into a cap, with four decimals as published: exact joints jam.
-TEST_F(Files, WedgedQuadsInSpaceArrive) {
+TEST_F(Files, JammedQuadsInSpaceArrive) {
   model::Model cap = family("cap", {{"half-size", 3}});
   for (std::vector<model::Tile>* tiles : {&cap.tiles, &*cap.target}) {
     for (model::Tile& tile : *tiles) {

@@ -90,7 +90,7 @@ class Folders : public testing::Test {
   fs::path out_ = scratch_ / "out";
 };
 
-TEST_F(Folders, HoldEachFileOfOthersUnderOurNames) {
+TEST_F(Folders, KeepForeignFilesWithOurNames) {
   for (const std::string& name : kOurNames) {
     emptyOut();
     writeText(out_ / name, "theirs");
@@ -99,7 +99,7 @@ TEST_F(Folders, HoldEachFileOfOthersUnderOurNames) {
   }
 }
 
-TEST_F(Folders, HoldFoldersAndLinksOfOthers) {
+TEST_F(Folders, KeepForeignFoldersAndLinks) {
   const fs::path theirs = scratch_ / "theirs";
   fs::create_directory(theirs);
   writeText(theirs / "video", "theirs");
@@ -123,7 +123,7 @@ TEST_F(Folders, HoldFoldersAndLinksOfOthers) {
   EXPECT_EQ(treeOf(theirs), before);
 }
 
-TEST_F(Folders, KeepEverythingElseOfOthers) {
+TEST_F(Folders, KeepAllOtherForeignFiles) {
   const Words names = {"notes.txt",      "deployment.part.mp4", "trajectory.part.h5",
                        "talk.webm",      "frames/own.png",      "final.part.obj",
                        "state_0000.stl", "contents.json.bak"};
@@ -135,7 +135,7 @@ TEST_F(Folders, KeepEverythingElseOfOthers) {
   }
 }
 
-TEST_F(Folders, OfOtherCommandsAreHeldToo) {
+TEST_F(Folders, OfOtherCommandsAreKeptToo) {
   const fs::path run = scratch_ / "run";
   runKirireel(recordInto(run));
   const Words exported = {"export", run.string(), "--format", "obj,glb", "--out", out_.string()};
@@ -165,7 +165,7 @@ TEST_F(Folders, OfOtherCommandsAreHeldToo) {
   }
 }
 
-TEST_F(Folders, TakeASecondExportAndASecondPicture) {
+TEST_F(Folders, AllowASecondExportAndASecondPicture) {
   runKirireel(recordInto(out_));
   const std::string trajectory = (out_ / "trajectory.h5").string();
   for (const char* format : {"obj", "obj,stl"}) {
@@ -230,7 +230,7 @@ TEST_F(Folders, KeepTheEarlierRunWhenANewOneIsKilled) {
   EXPECT_EQ(treeOf(out_), before);
 }
 
-TEST_F(Folders, OfSweepsHoldTheirTables) {
+TEST_F(Folders, OfSweepsKeepTheirTables) {
   writeText(scratch_ / "sweep.toml",
             "generate = \"tessellation\"\n[base]\nduration = 0.01\npath = \"straight\"\n"
             "[grid]\ncolumns = [2, 3]\n");

@@ -58,7 +58,7 @@ bool sameNumbers(const std::string& a, const std::string& b) {
 
 class ShippedModels : public testing::TestWithParam<ShippedModel> {};
 
-TEST_P(ShippedModels, AreWhatTheirCommandsMake) {
+TEST_P(ShippedModels, EqualTheOutputOfTheirCommands) {
   const TemporaryFolder scratch;
   std::vector<std::string> arguments = GetParam().arguments;
   const fs::path made = scratch / "model";
@@ -73,7 +73,7 @@ TEST_P(ShippedModels, AreWhatTheirCommandsMake) {
   }
 }
 
-TEST_P(ShippedModels, SurviveConversionThereAndBack) {
+TEST_P(ShippedModels, SurviveConversionInBothDirections) {
   const TemporaryFolder scratch;
   const fs::path model = kData / GetParam().name;
   for (const char* format : {"sheet.fold", "sheet_contracted.obj"}) {
@@ -106,7 +106,7 @@ int expectedCode(const nlohmann::json& summary) {
   return overlaps || misses ? kEndedShort : 0;
 }
 
-TEST_P(ShippedModels, ArriveOrSayWhatIsShort) {
+TEST_P(ShippedModels, ArriveOrReportWhatIsMissing) {
   const TemporaryFolder scratch;
   const fs::path model = kData / GetParam().name;
   const bool hasTarget = fs::exists(model / "target.txt");
@@ -144,7 +144,7 @@ TEST(ProgramGenerate, EveryFolderOfDataIsOnThePage) {
   EXPECT_GE(folders, 20U);
 }
 
-TEST(ProgramInspect, TellsWhatAModelIs) {
+TEST(ProgramInspect, DescribesAModel) {
   const std::string model = (kData / "tessellation_4x4").string();
   const ProgramEnd end = runKirireel({"inspect", model, "--json"});
   ASSERT_EQ(end.exitCode, 0) << end.err;
@@ -162,7 +162,7 @@ TEST(ProgramInspect, TellsWhatAModelIs) {
 }
 
 // A run decides on contacts by a search, which inspect does not make.
-TEST(ProgramInspect, LeavesContactsToTheRun) {
+TEST(ProgramInspect, DoesNotDecideOnContacts) {
   for (const char* name : {"cap", "fan", "cube_to_sphere"}) {
     EXPECT_THAT(runKirireel({"inspect", (kData / name).string()}).out,
                 testing::HasSubstr("contacts off (unless bricks touch on the path)"))

@@ -93,7 +93,7 @@ bool hasNumpy() {
 
 // A Miura sheet of 3 x 3 cells under tension, with bending tiles, against the bars and hinges of
 // bar_and_hinge.py.
-TEST(ProgramLoad, PullsAMiuraSheetAsBarsAndHingesDo) {
+TEST(ProgramLoad, PullsAMiuraSheetLikeBarsAndHinges) {
   if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to check origami with bars and hinges";
   const BarsAndHinges found = checkedByBarsAndHinges("miura");
   EXPECT_LT(found.forces, 1e-8);     // measured 8e-11
@@ -102,7 +102,7 @@ TEST(ProgramLoad, PullsAMiuraSheetAsBarsAndHingesDo) {
 }
 
 // A storey of a Kresling tower that is pressed until it snaps through.
-TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
+TEST(ProgramLoad, SnapsAKreslingTowerLikeBarsAndHinges) {
   if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to check origami with bars and hinges";
   const BarsAndHinges found = checkedByBarsAndHinges("kresling");
   EXPECT_LT(found.forces, 1e-10);    // measured 1e-13
@@ -195,7 +195,7 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
 
 // Sheets on necks without a length, with the stiffness of the table, and on slender ones, with the
 // force over opening of decks.
-TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
+TEST(ProgramNecks, OpenLikeDecksInCalculix) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }
@@ -207,7 +207,7 @@ TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
 }
 
 // Tiles with corners of 60 degrees.
-TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
+TEST(ProgramNecks, OpenTrianglesLikeDecksInCalculix) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }
@@ -220,7 +220,7 @@ TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
 }
 
 // Tiles with corners of 120 degrees next to others of 60.
-TEST(ProgramNecks, OpenHexagonsAsDecksInCalculixDo) {
+TEST(ProgramNecks, OpenHexagonsLikeDecksInCalculix) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to check necks";
   }

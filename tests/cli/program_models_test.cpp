@@ -22,7 +22,7 @@ void PrintTo(const PublishedModel& model, std::ostream* stream) {
 
 class PublishedModels : public testing::TestWithParam<PublishedModel> {};
 
-TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
+TEST_P(PublishedModels, EndNearerToTheTargetThanPyKirigami) {
   const PublishedModel& model = GetParam();
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models" / model.name;

@@ -125,7 +125,7 @@ std::string withOtherDigit(std::string text, std::size_t which) {
   return text;
 }
 
-TEST_F(Orders, AreKnownByEachByteOfEachFile) {
+TEST_F(Orders, DependOnEachByteOfEachFile) {
   for (const char* model : {"m", "s.fold", "s_contracted.obj"}) {
     Request requested = randomRequest();
     requested.model = at(model);
@@ -142,7 +142,7 @@ TEST_F(Orders, AreKnownByEachByteOfEachFile) {
   }
 }
 
-TEST_F(Orders, AreKnownByTheHull) {
+TEST_F(Orders, DependOnTheHull) {
   writeText(at("m/hull.txt"), "0 0\n0 1\n1 1\n3 2\n2 3\n");
   const std::vector<std::string> words = {"simulate", at("m"),   "--actuation", "boundary",
                                           "--out",    at("out"), "--duration",  "0.02"};
@@ -264,7 +264,7 @@ class Respelling {
 };
 
 // 24 pairs here; KIRIREEL_ORDER_PAIRS asks for more.
-TEST_F(Orders, AreKnownAsFinishedWhenTheyAreTheSame) {
+TEST_F(Orders, AreFinishedIfTheyAreTheSame) {
   const char* asked = std::getenv("KIRIREEL_ORDER_PAIRS");
   const int pairs = asked ? std::atoi(asked) : 24;
   const auto say = [this](const Request& requested) { return wordsOf(requested); };

@@ -33,7 +33,7 @@ TEST_F(PageCommand, WritesAPageThatVerifies) {
   EXPECT_EQ(runKirireel({"verify", run().string()}).exitCode, 0);
 }
 
-TEST_F(PageCommand, IsWrittenByARunToo) {
+TEST_F(PageCommand, IsAlsoWrittenByARun) {
   const std::filesystem::path other = scratch_.path() / "other";
   const ProgramEnd end = runKirireel(
       {"simulate", shippedModel("tessellation_4x4").string(), "--out", other.string(), "--page"});

@@ -43,7 +43,7 @@ TEST_F(PlotSweep, FullGridsAreCellsAndOthersDots) {
   EXPECT_THAT(readText(picture()), HasSubstr("id=\"PathCollection_1\""));
 }
 
-TEST_F(PlotSweep, RunsInOnePlaceAreToBeChosenFrom) {
+TEST_F(PlotSweep, RunsWithTheSameParametersNeedASelection) {
   const std::string table = kTwoByTwo + std::string("e,1,0.010,guided,4.5\n");
   EXPECT_EQ(plot(table).err,
             "plot-sweep: several runs have thickness 0.01 and rows 1; choose among them with "

@@ -42,7 +42,7 @@ void expectMeshioToOpen(const std::string& folder) {
 
 class Readers : public testing::TestWithParam<const char*> {};
 
-TEST_P(Readers, FindNothingToMend) {
+TEST_P(Readers, FindNoFaults) {
   for (const char* program : {"gmsh", "admesh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
   }

@@ -163,12 +163,12 @@ TEST(Record, LeavesTheSameBytesWithAnyNumberOfThreads) {
   expectTheSameBytesInFiveRuns({shippedModel("tessellation_4x4").string(), "--duration", "0.5"});
 }
 
-TEST(Record, LeavesTheSameBytesWhereBricksTouchInSpace) {
+TEST(Record, LeavesTheSameBytesIfBricksTouchInSpace) {
   expectTheSameBytesInFiveRuns({shippedModel("cap").string(), "--duration", "0.1", "--path",
                                 "straight", "--contacts", "all"});
 }
 
-TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
+TEST(Record, ReplacesOnlyAnEarlierRun) {
   const TemporaryFolder scratch;
   const std::vector<std::string> words = {"record", shippedModel("tessellation_4x4").string(),
                                           "--out", scratch.path().string(), "--no-video"};
@@ -193,7 +193,7 @@ TEST(Record, GoesToOutNameByDefault) {
               ElementsAre("final_vertices.txt", "summary.json", "trajectory.h5"));
 }
 
-TEST(Simulate, SaysThatASpellingSelectsOtherConstants) {
+TEST(Simulate, ReportsThatASpellingSelectsOtherConstants) {
   const TemporaryFolder scratch;
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
                                       "--no_collision", "--out", (scratch / "out").string()});

@@ -46,7 +46,7 @@ class Resume : public testing::Test {
 };
 TemporaryFolder* Resume::undisturbed_ = nullptr;
 
-TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
+TEST_F(Resume, EndsLikeAnUninterruptedRunAfterAnyKill) {
   for (const int signal : {SIGTERM, SIGKILL}) {
     for (const int milliseconds : {30, 150, 400}) {
       {
@@ -112,7 +112,7 @@ TEST_F(ResumeOnTheWay, ContinuesFromTheLastCheckpoint) {
   expectSameRun(out_, scratch_ / "whole");
 }
 
-TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
+TEST_F(ResumeOnTheWay, StartsAgainForAnotherOrdersCheckpoint) {
   endBy(SIGTERM, recordLongInto(out_));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--duration", "0.02", "--resume"}));
   EXPECT_EQ(end.err,
@@ -122,7 +122,7 @@ TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
   EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }
 
-TEST_F(ResumeOnTheWay, OnlyWhenAsked) {
+TEST_F(ResumeOnTheWay, OnlyOnRequest) {
   endBy(SIGTERM, recordLongInto(out_));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--duration", "0.02"}));
   EXPECT_EQ(end.err, "");
@@ -146,14 +146,14 @@ TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   EXPECT_EQ(filesIn(scratch_.path()), filesIn(undisturbed_->path()));
 }
 
-TEST_F(Resume, MakesARunAgainThatLacksAFile) {
+TEST_F(Resume, RepeatsARunWithAMissingFile) {
   fs::copy(undisturbed_->path(), scratch_.path());
   fs::remove(scratch_ / "final.obj");
   EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume"})).exitCode, kEndedShort);
   expectSameRun(scratch_.path(), undisturbed_->path());
 }
 
-TEST_F(Resume, LeavesAChangedFileToItsOwner) {
+TEST_F(Resume, KeepsAChangedFile) {
   fs::copy(undisturbed_->path(), scratch_.path());
   writeText(scratch_ / "final.obj", "edited by hand");
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
@@ -164,7 +164,7 @@ TEST_F(Resume, LeavesAChangedFileToItsOwner) {
   EXPECT_EQ(readText(scratch_ / "final.obj"), "edited by hand");
 }
 
-TEST_F(Resume, MakesTheRunOfAnotherOrderAgain) {
+TEST_F(Resume, RepeatsTheRunOfAnotherOrder) {
   fs::copy(undisturbed_->path(), scratch_.path());
   const ProgramEnd end =
       runKirireel(recordInto(scratch_.path(), {"--resume", "--thickness", "0.03"}));

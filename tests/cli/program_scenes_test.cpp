@@ -80,7 +80,7 @@ TEST_F(Scenes, PauseAndPinReachesTheDisk) {
   EXPECT_THAT(events[4], HasSubstr("unpin"));
 }
 
-TEST_F(Scenes, AHandOpensTheFan) {
+TEST_F(Scenes, ADragOpensTheFan) {
   const Simulated done = simulateScene("fan", "fan.toml");
   EXPECT_EQ(done.summary["outcome"], "settled");
   // The open fan is singular: its approach to rest becomes slower and slower. Measured 3.8e-5.

@@ -53,7 +53,7 @@ TEST(Interrupt, WhileDeployingLeavesAPlayableVideo) {
   expectInterruptedVideo(SIGINT, "", kLongDeployment);
 }
 
-TEST(Interrupt, WhileLookingForAPathLeavesAPlayableVideo) {
+TEST(Interrupt, WhileSearchingAPathLeavesAPlayableVideo) {
   expectInterruptedVideo(SIGINT, "", kLongTrial);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(ProgramStudy, ListsWhatThereIs) {
+TEST(ProgramStudy, ListsTheStudies) {
   const ProgramEnd end = runKirireel({"study", "--list"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("scaling         cost and memory of a step"));
@@ -28,7 +28,7 @@ TEST(ProgramStudy, NeedsAName) {
   EXPECT_THAT(end.err, HasSubstr("NAME"));
 }
 
-TEST(ProgramStudy, RefusesToResumeWhatIsNoTable) {
+TEST(ProgramStudy, RefusesToResumeOtherFiles) {
   const TemporaryFolder scratch;
   writeText(scratch / "scaling.csv", "case,tiles\na,1,2\n");
   const ProgramEnd end =

@@ -64,7 +64,7 @@ TEST_F(SweepProgram, LeavesOneFolderForEachRun) {
   }
 }
 
-TEST_F(SweepProgram, DoneRunsAreNotMadeAgain) {
+TEST_F(SweepProgram, DoneRunsAreNotRepeated) {
   sweep(kSix);
   EXPECT_THAT(sweep(kSix).out, HasSubstr("0 runs done, 0 of them failed; 6 done before"));
   const std::string finer =
@@ -101,7 +101,7 @@ TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
   EXPECT_THAT(sweep(text + "timestep = [0.0041666666666666666]\n").out, HasSubstr("0 runs done"));
 }
 
-TEST_F(SweepProgram, ShardsPartTheRuns) {
+TEST_F(SweepProgram, ShardsDivideTheRuns) {
   EXPECT_THAT(sweep(kSix, {"--shard", "1/4"}).out, HasSubstr("2 runs done"));
   EXPECT_THAT(sweep(kSix, {"--shard", "4/4"}).out, HasSubstr("1 runs done"));
   EXPECT_THAT(sweep(kSix, {"--shard", "8/8"}).out, HasSubstr("0 runs done"));
@@ -188,7 +188,7 @@ TEST_F(SweepProgram, InterruptEndsItAndReportsHowToContinue) {
   EXPECT_THAT(records(), SizeIs(0));
 }
 
-TEST_F(SweepProgram, CollectGathersWhatIsThere) {
+TEST_F(SweepProgram, CollectGathersFinishedRuns) {
   sweep(kSix, {"--shard", "1/2"});
   EXPECT_FALSE(std::filesystem::exists(out() / "sweep.csv"));
   const ProgramEnd end = sweep(kSix, {"--collect"});
@@ -199,7 +199,7 @@ TEST_F(SweepProgram, CollectGathersWhatIsThere) {
   EXPECT_THAT(csv, testing::StartsWith("run,columns,spring_stiffness,status,reason,outcome,"));
 }
 
-TEST_F(SweepProgram, ParametersAndMeasuresHaveColumnsOfTheirOwn) {
+TEST_F(SweepProgram, ParametersAndMeasuresHaveSeparateColumns) {
   const ProgramEnd end = sweep(
       "generate = \"stampfli-removal\"\n[base]\nduration = 0.1\n"
       "[grid]\ntiles = [30, 40]\npath = [\"straight\"]\n");
@@ -240,7 +240,7 @@ TEST_F(SweepProgram, MissingFilesAreNamedBeforeTheFirstRun) {
                 "b.txt; correct the name. It is relative to the sweep file");
 }
 
-TEST_F(SweepProgram, BillionRunsAreToBeConfirmed) {
+TEST_F(SweepProgram, BillionRunsNeedConfirmation) {
   expectRefused(
       sweep("generate = \"fan\"\n[grid]\nthickness = {from = 1, to = 2, count = 1000}\n"
             "density = {from = 1, to = 2, count = 1000}\nduration = {from = 1, to = 2, count = "

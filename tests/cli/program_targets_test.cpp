@@ -69,7 +69,7 @@ TEST_F(Targets, AMissedOneIsReportedInSixLines) {
                            "from the target; exit code 3\n(.*\n)*"));
 }
 
-TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
+TEST_F(Targets, OnlyKnownErrorsInTimeAreReported) {
   const model::Model model = generate::makeTessellation({});
   const ProgramEnd guided =
       simulate(model, {"--path", "guided", "--damping-ratio", "0", "--verbose"});
@@ -102,7 +102,7 @@ TEST_F(Targets, AMovedTargetIsReported) {
   EXPECT_TRUE(summary_["alignment"].is_null());
 }
 
-TEST_F(Targets, PinnedTilesAreWhatAStartIsMovedBy) {
+TEST_F(Targets, PinnedTilesDefineTheMoveOfAStart) {
   // An alignment by all tiles would keep the pinned one 45 degrees from its target.
   const ProgramEnd end = simulate(generate::makeTessellation({}), {"--pin", "0"});
   EXPECT_EQ(end.exitCode, 0) << end.out;

@@ -106,7 +106,7 @@ TEST_P(Units, LeaveFilesOfOneSize) {
       std::string::npos);
 }
 
-TEST_P(Units, AreWhatAFileOfTheRunHas) {
+TEST_P(Units, AreThoseOfAFileOfTheRun) {
   const TemporaryFolder scratch;
   writeSquares(scratch / "sheet", GetParam().millimetre);
   ASSERT_EQ(runKirireel({"convert", (scratch / "sheet").string(), (scratch / "again").string(),

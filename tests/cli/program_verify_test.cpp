@@ -37,7 +37,7 @@ class Verify : public testing::Test {
 };
 TemporaryFolder* Verify::scratch_ = nullptr;
 
-TEST_F(Verify, FindsAFreshRunWhole) {
+TEST_F(Verify, AcceptsANewRun) {
   const ProgramEnd end = verify();
   EXPECT_EQ(end.exitCode, 0) << end.err;
   const std::size_t files = filesIn(folder()).size() - 1;
@@ -149,7 +149,7 @@ TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
 }
 
 // A sheet on compliant necks: the energy of its ligaments is computed again from the file.
-TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
+TEST(VerifyLigaments, NoticesChangedLigaments) {
   const TemporaryFolder scratch;
   const std::string model = scratch / "sheet", run = scratch / "run",
                     scene = scratch / "scene.toml";
@@ -224,7 +224,7 @@ TEST(VerifyBendingTiles, AgreesWithTheirEquilibriaUnderGrips) {
   EXPECT_EQ(verified.exitCode, 0) << verified.out;
 }
 
-TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
+TEST_F(Verify, ReadsNothingOutsideTheFolder) {
   const std::string summary = readText(folder() / "summary.json");
   for (const std::string name : {"/proc/kcore", "../final.obj", ""}) {
     falsify(folder() / "summary.json", "\"final.obj\": {", "\"" + name + "\": {");

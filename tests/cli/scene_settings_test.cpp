@@ -53,7 +53,7 @@ TEST_F(SceneSettingsTest, KeysAreOptions) {
   EXPECT_EQ(order.scene.timeline.size(), 1u);
 }
 
-TEST_F(SceneSettingsTest, HoldWhatVideosAreLike) {
+TEST_F(SceneSettingsTest, IncludeVideos) {
   const cli::RecordOrder order =
       parse("[recording]\nvideo = \"run.webm\"\ntitle = \"Fan\"\nhold = 1.5\n");
   EXPECT_EQ(order.settings.videoFile, "run.webm");
@@ -61,14 +61,14 @@ TEST_F(SceneSettingsTest, HoldWhatVideosAreLike) {
   EXPECT_EQ(order.settings.hold, 1.5);
 }
 
-TEST_F(SceneSettingsTest, TheCommandLineCountsMore) {
+TEST_F(SceneSettingsTest, TheCommandLineHasPriority) {
   const cli::RecordOrder order = parse("[actuation]\nspring_stiffness = 25\nforce_damping = 20\n",
                                        {"--spring_stiffness", "50"});
   EXPECT_EQ(order.scene.springs.springStiffness, 50);
   EXPECT_EQ(order.scene.springs.forceDamping, 20);
 }
 
-TEST_F(SceneSettingsTest, AnotherFileTakesThePlaceOfTheModelsOwn) {
+TEST_F(SceneSettingsTest, AnotherFileReplacesTheModelsOwn) {
   std::ofstream(folder_ / "other.toml") << "[stop]\nduration = 5\n";
   const cli::RecordOrder order = parse("[stop]\nduration = 3\n[solver]\nseed = 9\n",
                                        {"--scene", (folder_ / "other.toml").string()});
@@ -98,7 +98,7 @@ TEST_F(SceneSettingsTest, SimulateChecksAndIgnoresKeysOfRecord) {
   EXPECT_THROW(cli::parseCommandLine({"simulate", folder}), InputError);
 }
 
-TEST_F(SceneSettingsTest, KeysInTheWrongTableSayWhere) {
+TEST_F(SceneSettingsTest, KeysInTheWrongTableNameTheRightOne) {
   EXPECT_EQ(refusal("[environment]\nseed = 3\n"),
             "scene.toml:2:8: error: seed belongs in [solver], not in [environment]");
 }

@@ -88,7 +88,7 @@ picture::GridPicture picture(const test::GoldenScene& scene, const test::GoldenL
 
 class GoldenSheet : public testing::TestWithParam<int> {};
 
-TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
+TEST_P(GoldenSheet, ShowsEveryStyleAsBefore) {
   const test::GoldenScene scene = test::goldenScenes()[GetParam()];
   const picture::GridLayout layout = picture::layOutGrid(kCell, kSheet);
   std::vector<picture::GridPicture> pictures;

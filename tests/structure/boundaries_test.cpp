@@ -158,12 +158,12 @@ TEST(Boundaries, LeavesAreIncludedByFewModules) {
   }
 }
 
-TEST(Boundaries, MechanicsAndMeasuresDoNotKnowWhatFindsContacts) {
+TEST(Boundaries, MechanicsAndMeasuresDoNotIncludeContacts) {
   EXPECT_THAT(uses("sim/mechanics/", "sim/(contacts|engines)/.*"), IsEmpty());
   EXPECT_THAT(uses("sim/trajectory/", "sim/(contacts|engines)/.*"), IsEmpty());
 }
 
-TEST(Boundaries, ContactsDoNotKnowTheEngines) {
+TEST(Boundaries, ContactsDoNotIncludeTheEngines) {
   EXPECT_THAT(uses("sim/contacts/", "sim/engines/.*"), IsEmpty());
 }
 
@@ -220,7 +220,7 @@ TEST(Boundaries, CommandLineLibraryStaysInTheCommandLine) {
   for (const std::string& user : usersOf("CLI/.*")) EXPECT_TRUE(user.starts_with("render/cli/"));
 }
 
-TEST(Boundaries, PythonStaysInItsRoom) {
+TEST(Boundaries, PythonStaysInItsModule) {
   for (const std::string& user : usersOf("pybind11/.*")) {
     EXPECT_TRUE(user.starts_with("render/python/")) << user;
   }
@@ -265,14 +265,14 @@ std::vector<fs::path> productFiles() {
   return files;
 }
 
-TEST(Boundaries, ProductDependsOnNothingBesideTheRepository) {
+TEST(Boundaries, ProductDependsOnNothingOutsideTheRepository) {
   for (const fs::path& file : productFiles()) {
     EXPECT_EQ(readText(file).find("../shared"), std::string::npos) << file;
     EXPECT_EQ(readText(file).find("/work/"), std::string::npos) << file;
   }
 }
 
-TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
+TEST(Boundaries, OnlyGmshAndCalculixAreStarted) {
   const std::regex start(
       "::(system|popen|execl|execle|execlp|execv|execve|execvp|execvpe|fexecve|"
       "posix_spawn|posix_spawnp|wordexp|dlopen)\\s*\\(");
@@ -576,7 +576,7 @@ TEST(Boundaries, TypesAreDefinedOnce) {
   for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
 }
 
-TEST(Boundaries, TypesHaveNamesOfTheirOwn) {
+TEST(Boundaries, TypesHaveUniqueNames) {
   std::map<std::string, std::vector<std::string>> places;
   for (const SourceFile& file : sources()) {
     for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
@@ -602,7 +602,7 @@ std::vector<std::string> namesIn(const std::string& page) {
 }
 
 // Those in a folder by their paths, others only by their names.
-TEST(Boundaries, FilesThatPagesNameAreThere) {
+TEST(Boundaries, FilesInPagesExist) {
   const fs::path root = KIRIREEL_SOURCE_DIR;
   std::set<std::string> fileNames;
   for (const char* folder : {"sim", "render", "tests", "scripts", "docs"}) {

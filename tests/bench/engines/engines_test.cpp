@@ -22,7 +22,7 @@ TEST(OtherEngines, DampingLeavesItsShareOfTheVelocity) {
   }
 }
 
-TEST(OtherEngines, OpenASheetAsTheDirectSolverDoes) {
+TEST(OtherEngines, OpenASheetLikeTheDirectSolver) {
   const scene::Scene scene = study::sheetScene(2, true, model::JointFace::Bottom);
   const std::vector<model::Tile> opened = test::openedSheet(scene);
   for (const study::Engine& engine : {bench::kChipmunk, bench::kBox2d, bench::kMujoco}) {

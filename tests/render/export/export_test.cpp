@@ -110,7 +110,7 @@ TEST_F(Export, TakesTheOnlySampleForBothDefaults) {
             "error: states 'initial' and '0%' are both sample 0; remove one of them");
 }
 
-TEST_F(Export, NamesFilesByTheStatesAskedFor) {
+TEST_F(Export, NamesFilesByTheRequestedStates) {
   std::vector<std::string> labels;
   for (const exports::ChosenState& state : exports::chooseStates(
            *reader_, {"initial", "25%", "10deg", "0.5s", "event:pinned tile", "final"})) {
@@ -206,7 +206,7 @@ TEST_F(Export, WritesEveryFormat) {
   EXPECT_THAT(test::bytesOf(out() / "state_50pct_mesh.inp"), HasSubstr("state 50pct, at 0.5 s.\n"));
 }
 
-TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
+TEST_F(Export, ListsTheNamesOfFilesBeforehand) {
   exports::ExportSettings settings;
   settings.formats = {"inp", "stl"};
   settings.states = {"final", "30deg", "all"};
@@ -223,7 +223,7 @@ TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
   EXPECT_FALSE(exports::isExported("state_final_job.inp", settings));
 }
 
-TEST_F(Export, LeavesNothingOfASetThatFails) {
+TEST_F(Export, LeavesNoFilesOfASetThatFails) {
   exports::ExportSettings settings;
   settings.formats = {"obj", "svg"};
   settings.hingeWidth = 2;  // wider than a tile, found after the meshes are written
@@ -247,7 +247,7 @@ TEST(ExportWarnings, ReportFewerElementsThanByDefault) {
   EXPECT_THAT(warnings(22, settings), ElementsAre());
 }
 
-TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
+TEST(ExportWarnings, ReportTheErrorOfSlivers) {
   const auto warnings = [](const std::vector<Vector3>& corners, int perEdge) {
     scene::Scene scene;
     scene.model.tiles = {model::Tile{corners}};
@@ -276,7 +276,7 @@ TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
       ElementsAre());
 }
 
-TEST(ExportWarnings, TellOfThinAndSharpTilesOfSheetsWithNecks) {
+TEST(ExportWarnings, ReportThinAndSharpTilesOfSheetsWithNecks) {
   scene::Scene scene;
   scene.model = generate::makeTessellation(test::squares(2, 2, 0));
   scene.brick.thickness = 0.002;
@@ -351,7 +351,7 @@ TEST(ExportWarnings, DoNotCountOverlapsOfJoinedTiles) {
               ElementsAre(HasSubstr("bricks overlap by 0.05 m, 50% of their thickness")));
 }
 
-TEST(ExportWarnings, TellOfSpringsAtFolds) {
+TEST(ExportWarnings, ReportSpringsAtFolds) {
   const std::vector<model::Tile> tiles = {
       model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
       model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
@@ -378,7 +378,7 @@ TEST(ExportWarnings, TellOfSpringsAtFolds) {
   EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
 }
 
-TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
+TEST(ExportWarnings, ReportLigamentsThatDecksDoNotHave) {
   scene::Scene scene;
   scene.model = generate::makeTessellation(test::squares(2, 2, 0.5));
   scene.brick.thickness = 0.02;

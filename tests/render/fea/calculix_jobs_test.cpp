@@ -138,7 +138,7 @@ TEST_F(CalculixJobs, SpringsInAnyPlaneStoreTheSameEnergy) {
   }
 }
 
-TEST_F(CalculixJobs, SpringsArePulledByTheirAngleHoweverFarTheyTurn) {
+TEST_F(CalculixJobs, SpringsFollowTheirAngleForAnyRotation) {
   const double turn = 0.5;
   for (const double rest : {0.0, 0.2}) {
     const SpringHinge hinge(rest);

@@ -371,7 +371,7 @@ TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
   EXPECT_NEAR(-displacements(end.data).at(0).z() / beam, 0.995, 0.025);  // measured: 0.991
 }
 
-TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
+TEST(Shells, OnOneFaceCarryTheForcesOfAThreeHingedArch) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   // A roof of 45 degrees whose two halves are joined on their lower face; 100 N on its ridge.
   const Layout layout = test::layoutOf(
@@ -422,7 +422,7 @@ std::string drivenJob(int node, double y) {
 
 class HingeMechanism : public testing::TestWithParam<fea::JointStyle> {};
 
-TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
+TEST_P(HingeMechanism, MovesLikeTheLinkage) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   const double start = 0.7;
   const Layout layout = test::hingedSquares(start);
@@ -460,7 +460,7 @@ fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
   return history;
 }
 
-TEST(Drive, EndsWhereTheLinkageDoes) {
+TEST(Drive, EndsAtTheStateOfTheLinkage) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to check decks with it";
   // Two tiles at opposite corners move with the linkage. All others must follow.
   const double start = 0.7;
@@ -490,7 +490,7 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
   }
 }
 
-TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
+TEST(Drive, FindsDisplacementsThatFixTilesInEveryRotation) {
   // A tile that rotates by a right angle about an axis in its plane. Three of its nodes move out of
   // the direction in which they were fixed.
   const Layout layout = test::hingedSquares();

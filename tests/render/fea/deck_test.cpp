@@ -169,7 +169,7 @@ TEST(Deck, ReportsHowFarCornersWereApart) {
   }
 }
 
-TEST(Deck, LetsOneNodeLeadACluster) {
+TEST(Deck, HasOneIndependentNodePerCluster) {
   // Three tiles that meet at one corner, joined in a row.
   std::vector<model::Tile> tiles(3);
   for (int t = 0; t < 3; ++t) {
@@ -215,7 +215,7 @@ TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
   EXPECT_EQ(text.find("*NODE,"), text.rfind("*NODE,"));  // one block: some readers support only one
 }
 
-TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
+TEST(Deck, ChoosesRadiusAndElementsOfPatches) {
   const fea::ElementMesh mesh = meshOf(test::hingedSquares(), {.joints = fea::JointStyle::Patch});
   EXPECT_DOUBLE_EQ(mesh.rule.patchRadius, 0.25);  // of edges 1 m long
   for (const fea::NodeCluster& cluster : mesh.clusters) {
@@ -303,7 +303,7 @@ TEST(Deck, NamesTheSidesOfTilesByTheirEdges) {
   }
 }
 
-TEST(Deck, ReportsWhereItComesFromAndWhatIdealHingesDo) {
+TEST(Deck, ReportsItsSourceAndIdealHinges) {
   const fea::ElementMesh mesh = meshOf(test::hingedSquares());
   EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
@@ -464,7 +464,7 @@ TEST(Supports, HoldTheUnknownsThatMoveMost) {
   }
 }
 
-TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
+TEST(Drive, RefusesMissingOrRepeatedTiles) {
   fea::ElementMesh mesh = meshOf(test::hingedSquares());
   const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
     try {
@@ -485,7 +485,7 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
             "leave one out");
 }
 
-TEST(Contact, PairsTheFlanksBesideEachJoint) {
+TEST(Contact, PairsTheFlanksNextToEachJoint) {
   const fea::ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
   // Four joints with a gap on either side of each; the inner gap's flanks meet at two joints each.
   const std::vector<fea::ContactPair> pairs = fea::contactPairs(mesh);

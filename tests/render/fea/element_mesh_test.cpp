@@ -113,7 +113,7 @@ TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
             "the distance of its nearest corners");
 }
 
-TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
+TEST(ElementMesh, RefusesJointsWithoutCommonCorners) {
   Layout layout = test::hingedSquares();
   layout.joints[2].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(layout),

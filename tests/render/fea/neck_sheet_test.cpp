@@ -137,7 +137,7 @@ TEST_F(NeckSheet, SingleNeckIsABeam) {
   }
 }
 
-TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
+TEST_F(NeckSheet, TilesAreCompliantAtTheEndsOfNecks) {
   const double width = 0.02;
   for (const double length : {0.01, 0.02, 0.04, 0.1, 0.2, 0.4}) {
     const double own =
@@ -361,7 +361,7 @@ TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
 }
 
 // Between the table's widths.
-TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
+TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAgreeWithDecks) {
   for (const double width : {0.035, 0.13, 0.23, 0.35}) {
     // Measured: at most 0.002.
     expectAsItsDeck(pairOf(tableTile(90), tableTile(90)), width, {5e-3, 5e-3, 1e-2, 1e-2},
@@ -371,7 +371,7 @@ TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
 
 // Between and beyond the table's angles, and for different tiles. The tolerances are of bending,
 // axis, stretch and shear.
-TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
+TEST_F(NeckSheet, CornersOfOtherAnglesAgreeWithDecks) {
   const double width = 0.1;
   const auto expect = [&](const model::Tile& left, const model::Tile& right, const Misses& misses,
                           const std::string& what) {
@@ -387,7 +387,7 @@ TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
 }
 
 // Bending and axis of necks with a length.
-TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
+TEST_F(NeckSheet, NecksWithALengthAgreeWithDecks) {
   const double width = 0.05;
   const auto expect = [&](const model::Tile& left, const model::Tile& right, double length,
                           double miss, const std::string& what) {

@@ -124,7 +124,7 @@ double openingOf(const fea::ElementMesh& mesh) {
   return fea::openingByCalculix(fea::meshDeck(mesh, {}, kOrigin) + job.sets, job.text);
 }
 
-TEST_F(PeriodicNecks, GripsPullAlikeOnEveryMesh) {
+TEST_F(PeriodicNecks, GripsPullEquallyOnEveryMesh) {
   const model::Model model = generate::makeTessellation(test::squares(2, 2, 0));
   const double coarse = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 4)));
   const double fine = openingOf(fea::makeNeckMesh(model, 0.02, plane(0.05, 8)));
@@ -137,7 +137,7 @@ TEST_F(PeriodicNecks, GripsPullAlikeOnEveryMesh) {
 }
 
 // Rhombi have two smallest rectangles, and ends that are not opposite each other.
-TEST_F(PeriodicNecks, RhombiOpenAlikeInAnyRotation) {
+TEST_F(PeriodicNecks, RhombiOpenEquallyInAnyRotation) {
   generate::TessellationShape skewed = test::squares(3, 3, 0);
   skewed.skew = 30 * kDegree;
   for (const model::Model& model :
@@ -165,7 +165,7 @@ TEST_F(PeriodicNecks, JoinedTilesArePulledAsOne) {
   EXPECT_NEAR(found / 1e-7, 1, 1e-5);
 }
 
-TEST_F(PeriodicNecks, ShellsOpenAsSolidsDo) {
+TEST_F(PeriodicNecks, ShellsOpenLikeSolids) {
   for (const model::Model& model :
        {generate::makeTessellation(test::squares(2, 3, 0)),
         generate::makeRotatingTriangles({.columns = 2, .rows = 1}),

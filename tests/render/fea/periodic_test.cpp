@@ -264,7 +264,7 @@ TEST(SheetEnds, ArePulledInBalance) {
   }
 }
 
-TEST(SheetEnds, AreWhatAPersonWouldHold) {
+TEST(SheetEnds, AreTheEdgesToGrip) {
   // Squares with diagonals along the axes: both edges at each outer corner, no edges inside.
   const model::Model model = generate::makeTessellation(test::squares(2, 1, 0));
   std::vector<std::vector<Vector3>> diamonds;

@@ -66,7 +66,7 @@ TEST_F(FileSetTest, ReplacesAnEarlierRunAltogether) {
   EXPECT_FALSE(fs::exists(folder_ / "frames"));
 }
 
-TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
+TEST_F(FileSetTest, ChangesNothingUntilItIsComplete) {
   leaveRun({{"a.txt", "old"}});
   const auto before = contentsOf(folder_.path());
   {
@@ -85,7 +85,7 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
   EXPECT_FALSE(fs::exists(folder_ / ".unfinished"));
 }
 
-TEST_F(FileSetTest, OverwritesNothingOfOthers) {
+TEST_F(FileSetTest, OverwritesNoForeignFiles) {
   leaveRun({{"a.txt", "old"}, {"b.txt", "old"}});
   test::writeText(folder_ / "b.txt", "edited");
   test::writeText(folder_ / "c.txt", "theirs");
@@ -120,7 +120,7 @@ TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
   EXPECT_NO_THROW(files.requireFree([](const std::string& name) { return name == "frames/"; }));
 }
 
-TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
+TEST_F(FileSetTest, MovesNothingIfForeignFilesAppear) {
   const auto leave = [this] { leaveRun({{"a.txt", "new"}, {"b.txt", "new"}}); };
   {
     output::FileSet files(folder_.path(), output::kSummary);
@@ -138,7 +138,7 @@ TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
 }
 
-TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
+TEST_F(FileSetTest, ContinuesMovingAfterAKill) {
   leaveRun({{"a.txt", "old"}, {"b.txt", "old"}, {"c.txt", "old"}});
   // Half moved: a.txt is in place, b.txt and the record are not.
   const fs::path stage = folder_ / ".unfinished";
@@ -153,7 +153,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
 }
 
-TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
+TEST_F(FileSetTest, ContinuesMovingAfterAnError) {
   leaveRun({{"a.obj", "run"}});
   test::writeText(folder_.path() / "sub", "a foreign file in place of a folder");
   {
@@ -184,7 +184,7 @@ TEST_F(FileSetTest, KeepsAForeignHiddenFolder) {
   EXPECT_EQ(found(), (Contents{{".unfinished/notes.txt", "theirs"}}));
 }
 
-TEST_F(FileSetTest, AddsToWhatARunLeft) {
+TEST_F(FileSetTest, AddsToTheFilesOfARun) {
   leaveRun({{"a.txt", "run"}});
   for (const char* text : {"first", "second"}) {
     output::FileSet files(folder_.path(), output::kContents);

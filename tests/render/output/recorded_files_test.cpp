@@ -29,7 +29,7 @@ class RecordedFilesTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(RecordedFilesTest, KnowsWhatTheRecordLists) {
+TEST_F(RecordedFilesTest, KnowsTheFilesOfTheRecord) {
   EXPECT_FALSE(isForeign("final.obj"));
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
@@ -38,7 +38,7 @@ TEST_F(RecordedFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(output::RecordedFiles(folder_.path()).isUnchanged("final.ply"));
 }
 
-TEST_F(RecordedFilesTest, TakeNothingElseForOurs) {
+TEST_F(RecordedFilesTest, KnowNoOtherFiles) {
   test::writeText(folder_ / "final.ply", "theirs");
   EXPECT_TRUE(isForeign("final.ply"));
   test::writeText(folder_ / "final.obj", "OURS");  // as many bytes
@@ -68,7 +68,7 @@ TEST_F(RecordedFilesTest, AreNotSoughtThroughLinksToFolders) {
   EXPECT_TRUE(isForeign("final.obj"));
 }
 
-TEST_F(RecordedFilesTest, CountAsTheNewestRecordHasThem) {
+TEST_F(RecordedFilesTest, FollowTheNewestRecord) {
   test::writeText(folder_ / "final.obj", "exported again");
   output::FileList files;
   files["final.obj"] = output::digestOf(folder_.path(), "final.obj");

@@ -106,7 +106,7 @@ TEST(PosePacker, MovesNoCornerBeyondItsSteps) {
   EXPECT_LT(farthest, kSize / 18000);  // measured 1.7e-4 of 2.8e-4
 }
 
-TEST(PosePacker, HasRoomForWhatFliesAway) {
+TEST(PosePacker, StoresBricksThatFlyAway) {
   page::PosePacker packer(page::finePoseSteps({0, 0, 0}, 1, 1));
   packer.add(stateOf(0));
   Poses away = stateOf(1);

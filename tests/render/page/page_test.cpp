@@ -53,7 +53,7 @@ class WebPage : public testing::Test {
   page::WebPageSettings settings_;
 };
 
-TEST_F(WebPage, AsksForNothingBesideItself) {
+TEST_F(WebPage, LoadsNoOtherFiles) {
   const std::string page = text();
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   // Elements before the scripts: all their references are inside.
@@ -63,7 +63,7 @@ TEST_F(WebPage, AsksForNothingBesideItself) {
   EXPECT_THAT(elements, Not(HasSubstr("@import")));
 }
 
-TEST_F(WebPage, IsSmallBesideItsData) {
+TEST_F(WebPage, IsSmallComparedWithItsData) {
   const Json data = dataOf(text());
   EXPECT_LT(text().size() - data.dump().size(), 1'500'000U);  // measured 0.93 MB
 }
@@ -102,7 +102,7 @@ TEST_F(WebPage, ShowsStatesAtEqualStepsOfMotion) {
   EXPECT_EQ(dataOf(text())["runs"][0]["states"]["times"].size(), 11U);
 }
 
-TEST_F(WebPage, TellsTheRunInWords) {
+TEST_F(WebPage, DescribesTheRunInWords) {
   const std::string page = text();
   EXPECT_THAT(page, HasSubstr("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>"));
   EXPECT_THAT(page, HasSubstr("<dd>4 tiles, 4 joints</dd>"));

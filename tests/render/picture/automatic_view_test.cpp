@@ -136,7 +136,7 @@ TEST(AutomaticView, KeepsTheStartUpright) {
   }
 }
 
-TEST(AutomaticView, ShowsNearlyTheMostOfAllDirections) {
+TEST(AutomaticView, ShowsNearlyTheMaximumOfAllDirections) {
   // Measured: 0.97, 0.98, 0.97, 0.98 of the best.
   for (const double bend : {0.15, 0.3, 0.6, 1.0}) {
     const std::vector<Tiles> states = {rolledSheet(6, 4, 0), rolledSheet(6, 4, 0.5 * bend),

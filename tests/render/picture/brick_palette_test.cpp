@@ -59,7 +59,7 @@ TEST(ShapeKinds, CountsCongruentTilesAsOne) {
   EXPECT_EQ(picture::shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 1, 2}));
 }
 
-TEST(ShapeKinds, TellsARhombusFromASquare) {
+TEST(ShapeKinds, DistinguishesARhombusFromASquare) {
   const double h = std::sqrt(0.75);
   const std::vector<model::Tile> tiles = {polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
                                           polygon({{0, 0}, {1, 0}, {1.5, h}, {0.5, h}})};
@@ -73,7 +73,7 @@ TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
   EXPECT_EQ(picture::shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
 }
 
-TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
+TEST(BrickPalette, ShowsMomentsAndEnergiesOfHingeSprings) {
   picture::PictureContent content = tessellationContent();
   // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
   content.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
@@ -90,7 +90,7 @@ TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
 }
 
 // The energy of a neck's ligament also counts for the colours of its bricks.
-TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
+TEST(BrickPalette, ShowsMomentsAndEnergiesOfLigaments) {
   picture::PictureContent content = tessellationContent();
   brick::Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
@@ -118,7 +118,7 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
 }
 
 // Poses do not contain the energy of panels: their states do, at their times.
-TEST(BrickPalette, ShowsWhatPanelsHold) {
+TEST(BrickPalette, ShowsEnergiesOfPanels) {
   picture::PictureContent content = tessellationContent();
   trajectory::LoadedPanels sheet;
   for (const brick::Brick& brick : content.bricks) {
@@ -205,7 +205,7 @@ TEST(BrickPalette, SpansTheScaleOverTheRun) {
             90);
 }
 
-TEST(BrickPalette, TellsStartWayAndTargetApart) {
+TEST(BrickPalette, HasColoursForStartMotionAndTarget) {
   const picture::PictureContent content = tessellationContent();
   const picture::BrickPalette palette(coloured(picture::Colouring::State), content);
   const picture::BrickColours start = palette.colours(content.start)[0];
@@ -229,7 +229,7 @@ TEST(BrickPalette, NeedsATargetForItsError) {
   }
 }
 
-TEST(BrickPalette, ReportsWhatColoursOfKindsMean) {
+TEST(BrickPalette, ReportsMeaningOfColours) {
   picture::PictureContent content;
   const std::vector<model::Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
                                           polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
@@ -254,7 +254,7 @@ std::string refusalOf(const picture::Appearance& appearance,
   return test::refusalOf([&] { const picture::BrickPalette palette(appearance, content); });
 }
 
-TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
+TEST(BrickPalette, SingleTilesHaveTheirOwnColours) {
   const picture::PictureContent content = tessellationContent();
   picture::Appearance appearance;
   appearance.brickColour = picture::Colour{10, 20, 30};
@@ -280,7 +280,7 @@ TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
       "values. Give one of these, or remove --tile-colour");
 }
 
-TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
+TEST(BrickPalette, NamedGroupsOfTilesAreInTheLegend) {
   const picture::PictureContent content = tessellationContent();
   picture::Appearance appearance;
   appearance.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
@@ -294,7 +294,7 @@ TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
             (picture::Colour{200, 0, 0, 51}));
 }
 
-TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
+TEST(BrickPalette, TilesHaveTheRequestedOpacity) {
   const picture::PictureContent content = tessellationContent();
   for (const picture::Colouring colouring :
        {picture::Colouring::Plain, picture::Colouring::State, picture::Colouring::Rotation}) {
@@ -354,7 +354,7 @@ TEST(BrickPalette, OutlinesHaveOneColourThatAllBricksShow) {
   }
 }
 
-TEST(BrickPalette, ScalesBeginWhereAsked) {
+TEST(BrickPalette, ScalesBeginAtTheRequestedValue) {
   const picture::PictureContent content = tessellationContent();
   picture::Appearance appearance = coloured(picture::Colouring::Rotation);
   appearance.map = picture::ColourMap::CoolWarm;

@@ -27,7 +27,7 @@ double reach(const picture::Camera& camera, const std::vector<Vector3>& points, 
   return largest;
 }
 
-TEST(CameraPath, StandsStillUnlessToldToMove) {
+TEST(CameraPath, IsFixedByDefault) {
   const std::vector<Vector3> points = tumbledCorners();
   const picture::CameraPath path({}, points, 1.5);
   EXPECT_TRUE(path.isStill());
@@ -50,7 +50,7 @@ TEST(CameraPath, TurnsAboutTheVerticalInOrbit) {
   EXPECT_EQ(path.at(0, 2).eye, end.eye);
 }
 
-TEST(CameraPath, HoldsEverythingInSightFromEverySide) {
+TEST(CameraPath, KeepsAllPointsInThePictureFromEverySide) {
   const std::vector<Vector3> points = tumbledCorners();
   for (const bool orthographic : {false, true}) {
     for (const double aspect : {0.6, 1.0, 1.8}) {
@@ -107,7 +107,7 @@ TEST(CameraPath, ZoomEnlargesTheMiddle) {
   }
 }
 
-TEST(CameraPath, StandsAtTheDistanceAskedFor) {
+TEST(CameraPath, HasTheRequestedDistance) {
   picture::CameraChoice choice;
   choice.distance = 7.5;
   const picture::Camera camera = picture::CameraPath(choice, tumbledCorners(), 1.5).at(0, 0);

@@ -93,7 +93,7 @@ TEST(FitCamera, RefusesNoPoints) {
   }
 }
 
-TEST(Views, HaveTheAxesThatTheirNamesSay) {
+TEST(Views, HaveTheAxesOfTheirNames) {
   const std::vector<Vector3> cube = {Vector3(-1, -1, -1), Vector3(1, 1, 1)};
   const auto ndc = [&](picture::ViewAngles view, const Vector3& point) {
     picture::CameraFit fit{view, 1, true};

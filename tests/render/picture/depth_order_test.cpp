@@ -54,7 +54,7 @@ TEST(DepthOrder, CutsWithoutLosingAnything) {
   EXPECT_NEAR(totalArea(sorted) / totalArea(pieces), 1, 1e-12);  // measured 2e-15
 }
 
-TEST(DepthOrder, LeavesBricksWholeThatNoPlaneCuts) {
+TEST(DepthOrder, KeepsBricksWholeThatNoPlaneCuts) {
   std::vector<model::Tile> tiles;
   for (int k = 0; k < 25; ++k) tiles.push_back(rectangleTile(k % 5, k / 5, 0.9, 0.9));
   const SampleBricks sample = sampleBricks(tiles, 0.1);
@@ -101,7 +101,7 @@ TEST(DepthOrder, TakesTilesThatAreNotExactlyFlat) {
   EXPECT_GE(picture::farthestFirst(pieces).size(), pieces.size());
 }
 
-TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
+TEST(DepthOrder, CutsPartsNearerThanTheCamerasRange) {
   SampleBricks sample = sampleBricks({rectangleTile(0, -50, 1, 100)}, 0.1);
   picture::Camera camera;
   camera.eye = Vector3(0.5, 0, 2);
@@ -135,7 +135,7 @@ bool isOn(const std::vector<picture::VisibleLine>& lines, const Vector3& point) 
   return false;
 }
 
-TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
+TEST(SeenOutlines, AreTheLinesThatNoBrickHides) {
   const SampleBricks sample = heap();
   const picture::Camera camera = cameraOf(sample);
   const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
@@ -160,7 +160,7 @@ TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
   EXPECT_LT(static_cast<double>(wrong) / points, 0.004);
 }
 
-TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
+TEST(SeenOutlines, AreClosedIfNothingIsBefore) {
   std::vector<model::Tile> tiles;
   for (int k = 0; k < 25; ++k) tiles.push_back(rectangleTile(k % 5, k / 5, 1, 1));
   const SampleBricks sample = sampleBricks(tiles, 0.1);
@@ -201,7 +201,7 @@ std::pair<double, double> lengthsOf(const SampleBricks& sample, const picture::C
 
 /// 5 x 5 squares with gaps between them. In gaps narrower than half a line their sides are slits.
 /// Otherwise all sides are silhouettes.
-TEST(SeenOutlines, AreSilhouettesWhereNothingIsBeyond) {
+TEST(SeenOutlines, AreSilhouettesIfNothingIsBeyond) {
   for (const double gap : {0.0, 0.004, 0.02}) {
     std::vector<model::Tile> tiles;
     for (int k = 0; k < 25; ++k) {

@@ -120,7 +120,7 @@ TEST(Grid, RefusesPicturesThatDoNotFit) {
             "error: pictures of one grid must have the same size, not 9 x 8 and 9 x 9 pixels");
 }
 
-TEST(TrimAlike, KeepsWhatAnyPictureShows) {
+TEST(TrimAlike, KeepsTheContentOfAllPictures) {
   const picture::Colour white{255, 255, 255}, red{255, 0, 0};
   std::vector<picture::GridPicture> pictures(2, {picture::makeFrame({400, 300}, white), ""});
   pictures[0].frame.set(100, 80, red);

@@ -28,7 +28,7 @@ Eigen::AlignedBox2i inkBox(const picture::Frame& frame) {
   return box;
 }
 
-TEST(LabelWriter, StandsOnItsBaselineWithinItsWidth) {
+TEST(LabelWriter, WritesOnItsBaselineWithinItsWidth) {
   picture::Frame frame = picture::makeFrame({200, 60}, kWhite);
   const picture::LabelWriter writer(32);
   writer.draw(frame, "EHE", 20, 45, kBlack);
@@ -61,7 +61,7 @@ TEST(LabelWriter, ReadsUtf8) {
   EXPECT_LT(writer.width("30\u00b0"), writer.width("30") + 20);  // one sign, not two bytes
 }
 
-TEST(LabelWriter, KnowsWhichGlyphsItsFontLacks) {
+TEST(LabelWriter, ReportsWhichGlyphsItsFontLacks) {
   const picture::LabelWriter writer(20);
   EXPECT_FALSE(writer.missingGlyph(U"Caf\u00e9 30\u00b0 \u03b1\u03a9 \u00e4\u00f6\u00fc"));
   EXPECT_EQ(writer.missingGlyph(U"a\U0010fffd\u4e2d"), U'\U0010fffd');  // of no script
@@ -157,7 +157,7 @@ std::string textOf(const picture::TextRun& run) {
   return text;
 }
 
-TEST(Shaping, KnowsTheCharactersOfEachGlyph) {
+TEST(Shaping, HasTheCharactersOfEachGlyph) {
   const picture::LabelWriter writer(20);
   EXPECT_EQ(textOf(writer.shape("بيت").runs[0]), "تيب");
   EXPECT_EQ(textOf(writer.shape("بلا").runs[0]), "لاب");  // the ligature is one cluster

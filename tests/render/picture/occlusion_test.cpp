@@ -47,7 +47,7 @@ double cornerFactor(double a, double b, double c) {
   return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * std::numbers::pi);
 }
 
-TEST(Occluders, KeepAwayTheFormFactorOfARectangle) {
+TEST(Occluders, BlockTheFormFactorOfARectangle) {
   // 9e-13: the four points of the small face.
   EXPECT_NEAR(speckOcclusion({box({-2, -1, 0.5}, {2, 1, 0.6})}), 4 * cornerFactor(2, 1, 0.5), 1e-9);
 }
@@ -81,7 +81,7 @@ TEST(Occluders, LeaveAFlatSheetOpen) {
   EXPECT_EQ(occluders.occlusion(0, faces[0][2], -Vector3::UnitY()), 0);
 }
 
-TEST(Occluders, DoNotKnowTheAxes) {
+TEST(Occluders, DoNotDependOnTheAxes) {
   const SampleBricks sample = tumbledBricks();
   const Pose moved{Vector3(3, -2, 1), rotationFromVector(Vector3(0.4, -1.1, 0.7))};
   std::vector<std::vector<Corners>> faces, turned;

@@ -303,7 +303,7 @@ TEST(Painter, CastsAShadowOfTheProjectedArea) {
 
 // At the distance d beyond the hard edge, t = 1 - d / (s h) for the softness s and the height h,
 // and the shadow's share is 3 t^2 - 2 t^3.
-TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
+TEST(Painter, ShadowsFadeWithTheHeightOfBricks) {
   for (const double height : {5.0, 10.0}) {
     SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
     sample.poses[0].position.z() = height;
@@ -423,7 +423,7 @@ TEST(Painter, TranslucentBricksMayComeInAnyOrder) {
   EXPECT_LE(differ, 0);  // measured 0
 }
 
-TEST(Painter, BricksThatAreNotOpaqueAtAllAreNotThere) {
+TEST(Painter, BricksOfOpacityZeroAreInvisible) {
   const SampleBricks sample = stackedSample();
   picture::Style style;
   style.plate = shadowCatcher(sample, -1);
@@ -584,7 +584,7 @@ TEST(Painter, PaintsTheSameBytesAgain) {
   EXPECT_EQ(paintOnce(sample, size, camera, {}).pixels, first.pixels);
 }
 
-TEST(Painter, ShowsOtherBricksAsANewPainterWould) {
+TEST(Painter, ShowsOtherBricksLikeANewPainter) {
   const SampleBricks sample = tumbledBricks();
   const picture::FrameSize size{160, 100};
   const picture::Camera camera = fittedCamera(sample, size, picture::kIsometricView);

@@ -70,7 +70,7 @@ TEST(Png, ComesBackExactly) {
   }
 }
 
-TEST(Png, IsReadAlikeByAnotherDecoder) {
+TEST(Png, IsReadEquallyByAnotherDecoder) {
   if (!test::hasProgram("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const test::TemporaryFolder folder;
   const picture::Frame frame = noise({33, 21}, false);

@@ -103,7 +103,7 @@ TEST(ScaleDrawer, DrawsTicksAtRoundValues) {
   EXPECT_EQ(ticks, (std::vector<int>{0, place(1), place(2), place(3)}));
 }
 
-TEST(ScaleDrawer, DrawsALegendAsWideAsThereIsRoom) {
+TEST(ScaleDrawer, DrawsALegendOfTheFreeWidth) {
   for (const int width : {600, 150}) {
     picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
     picture::FrameSurface surface(frame);

@@ -20,7 +20,7 @@ picture::PictureContent tessellationContent(
   return picture::makeContent(generate::makeTessellation({}), {}, ground);
 }
 
-TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
+TEST(PictureSetup, DrawsTheGroundIfItExistsOrIsRequested) {
   const scene::Ground ground{-1, 0.5};
   EXPECT_FALSE(
       picture::PictureSetup({}, tessellationContent(), {300, 300}).style().plate.has_value());
@@ -188,7 +188,7 @@ TEST(PictureSetup, DrawsATrailUntilTheMomentOfThePicture) {
   EXPECT_EQ(setup.geometry({1.5, content.start, {}}).solid.size(), before + 2);
 }
 
-TEST(PictureSetup, RefusesTrailsOfVerticesThatAreNotThere) {
+TEST(PictureSetup, RefusesTrailsOfMissingVertices) {
   picture::Appearance appearance;
   appearance.trails = {{16, 0}};
   EXPECT_EQ(test::refusalOf([&] {
@@ -202,7 +202,7 @@ TEST(PictureSetup, RefusesTrailsOfVerticesThatAreNotThere) {
             "error: --trail: tile 0 has no vertex 4; its vertices are numbered 0 to 3");
 }
 
-TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
+TEST(PictureSetup, RefusesLinesOfAMissingTarget) {
   picture::Appearance appearance;
   appearance.targetLines = true;
   picture::PictureContent content = tessellationContent();
@@ -213,7 +213,7 @@ TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
             "error: the model has no target to draw; remove --target-lines or add target.txt");
 }
 
-TEST(PictureSetup, RefusesAGhostOfATargetThatIsNotThere) {
+TEST(PictureSetup, RefusesAGhostOfAMissingTarget) {
   picture::Appearance appearance;
   appearance.ghost = picture::Ghost::Target;
   picture::PictureContent content = tessellationContent();
@@ -393,7 +393,7 @@ TEST(StatePainter, PutsABarOfColoursUnderPicturesThatNeedIt) {
 }
 
 // The shadow is larger than the bricks, and is still visible as a whole.
-TEST(StatePainter, HoldsTheShadowInSight) {
+TEST(StatePainter, KeepsTheShadowInThePicture) {
   picture::Appearance appearance;
   appearance.ground = picture::GroundLook::Shadow;
   appearance.camera.view = picture::kIsometricView;
@@ -421,7 +421,7 @@ TEST(StatePainter, RefusesAScaleBarInPerspective) {
       InputError);
 }
 
-TEST(StatePainter, ShowsOtherContentAsANewPainterWould) {
+TEST(StatePainter, ShowsOtherContentLikeANewPainter) {
   picture::Appearance dark;
   dark.theme = picture::Theme::Dark;
   dark.colouring = picture::Colouring::TargetError;

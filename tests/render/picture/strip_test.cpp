@@ -26,7 +26,7 @@ int countOf(const picture::Frame& frame, picture::Colour colour) {
   return count;
 }
 
-TEST(Strip, IsNotThereWithoutParts) {
+TEST(Strip, IsAbsentWithoutParts) {
   EXPECT_EQ(picture::Strip(kWhole, {}, {}).picture(), kWhole);
 }
 
@@ -59,7 +59,7 @@ TEST(Strip, ShrinksTextUntilTheLongestCaptionFits) {
   }
 }
 
-TEST(Strip, KeepsLettersInTheirPlaceFromFrameToFrame) {
+TEST(Strip, KeepsLettersAtTheirPositionInAllFrames) {
   const picture::StripParts parts{.longestCaption = "100%, t = 10.00 s"};
   const picture::Frame early = framed(parts, {"9%, t", 0}),
                        late = framed(parts, {"9%, t = 10.00 s", 0});

@@ -13,7 +13,7 @@ double bytes(const std::string& text) {
   return static_cast<double>(text.size());
 }
 
-TEST(WrapText, BreaksAtSpacesWhereALineIsFull) {
+TEST(WrapText, BreaksAtSpacesOfAFullLine) {
   EXPECT_THAT(picture::wrapText("one two three", bytes, 7), ElementsAre("one two", "three"));
   EXPECT_THAT(picture::wrapText("one two three", bytes, 6), ElementsAre("one", "two", "three"));
   EXPECT_THAT(picture::wrapText("one two three", bytes, 100), ElementsAre("one two three"));

@@ -308,7 +308,7 @@ TEST(Video, HasTheSameBytesInTwoRuns) {
   }
 }
 
-TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
+TEST(Video, PlaysUpToTheKillOfItsProcess) {
   if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to check videos with ffprobe";
   for (const int count : {1, 4, 5, 6, 8, 20, 300}) {
     const TemporaryFolder folder;
@@ -330,7 +330,7 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
   }
 }
 
-TEST(Video, HasTheSameBytesWhateverIsInMemory) {
+TEST(Video, HasTheSameBytesForAnyContentOfMemory) {
   for (const picture::FrameSize size :
        {picture::FrameSize{384, 216}, {320, 180}, {144, 96}, {600, 600}}) {
     for (const char* preset : {"auto", "veryfast", "medium"}) {
@@ -380,7 +380,7 @@ TEST(Video, RefusesSettingsOutOfRange) {
               HasSubstr("100000 x 480"));
 }
 
-TEST(Video, RefusesWhatItsFormatDoesNotHave) {
+TEST(Video, RefusesSettingsThatItsFormatLacks) {
   const auto refusal = [](const char* file, const picture::VideoSettings& settings) {
     return test::refusalOf<InputError>([&] { picture::requireValidSettings(file, settings); });
   };

@@ -24,7 +24,7 @@ TEST(BoundedQueue, GivesEverythingInOrder) {
   EXPECT_EQ(taken, expected);
 }
 
-TEST(BoundedQueue, BreaksThePromisesThatItHoldsWhenItIsStopped) {
+TEST(BoundedQueue, BreaksItsPromisesWhenItIsStopped) {
   record::BoundedQueue<std::promise<int>> queue(2);
   std::promise<int> promise;
   std::future<int> value = promise.get_future();
@@ -46,7 +46,7 @@ TEST(BoundedQueue, NeverHoldsMoreThanItsCapacity) {
   for (int taken = 0; queue.pop(); ++taken) EXPECT_LE(pushed, taken + 3);
 }
 
-TEST(BoundedQueue, StopEndsWhoeverWaits) {
+TEST(BoundedQueue, StopEndsAllWaits) {
   record::BoundedQueue<int> full(1);
   full.push(0);
   record::BoundedQueue<int> empty(1);
@@ -68,7 +68,7 @@ TEST(TaskGroup, ThrowsTheErrorOfAnyStageAndStopsTheOthers) {
   EXPECT_THROW(tasks.finish(), OutputError);
 }
 
-TEST(TaskGroup, StopsItsStagesWhenItGoesAway) {
+TEST(TaskGroup, StopsItsStagesWhenItIsDestroyed) {
   record::BoundedQueue<int> never(1);
   record::TaskGroup tasks([&] { never.stop(); });
   tasks.start([&] { never.pop(); });

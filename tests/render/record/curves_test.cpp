@@ -185,7 +185,7 @@ TEST(CurvesPlot, HasTheSameBytesEachTime) {
   }
 }
 
-TEST(CurvesPlot, IsAsWideAsItIsToBe) {
+TEST(CurvesPlot, HasTheRequestedWidth) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "curves.png", plotted(picture::PageFormat::Png));
   const picture::Frame frame = picture::readPng(folder / "curves.png");
@@ -199,7 +199,7 @@ TEST(CurvesPlot, IsAsWideAsItIsToBe) {
   EXPECT_GT(blue, 300);  // measured 1300: three lines, each across half of the figure
 }
 
-TEST(CurvesPlot, ReportsThatThereIsNothing) {
+TEST(CurvesPlot, ReportsThatThereAreNoCurves) {
   record::PlottedRun run = someRun();
   run.groups = {run.groups[2]};
   EXPECT_THROW(record::plotCurves({run}, picture::PageFormat::Svg, {}), InputError);

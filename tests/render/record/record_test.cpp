@@ -126,7 +126,7 @@ TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
   EXPECT_EQ(painting.back(), 1);
 }
 
-TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
+TEST_F(RecordTest, InterruptedWhileDeployingKeepsFinishedFrames) {
   int samples = 0;
   const record::RunSummary summary =
       record::record(tessellationScene(), settings_, [&](const record::Progress& progress) {
@@ -141,7 +141,7 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
   EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
 }
 
-TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
+TEST_F(RecordTest, InterruptedWithinAStepKeepsFinishedFrames) {
   // No sample and no progress until the end.
   const record::Deployer stuck =
       [](const scene::Scene& scene, double interval, const run::SampleObserver& observer,
@@ -287,7 +287,7 @@ TEST_F(RecordTest, StoresTheViewInTheSummary) {
               HasSubstr("\"elevation_deg\": 90.0"));
 }
 
-TEST_F(RecordTest, GivesOnePictureWhereNothingMoves) {
+TEST_F(RecordTest, GivesOnePictureIfNothingMoves) {
   record::PictureSettings pictures = settings_;
   settings_.video = settings_.snapshots = settings_.meshes = false;
   record::record(tessellationScene(), settings_, proceed_);
@@ -354,7 +354,7 @@ TEST_F(RecordTest, RenderingAgainGivesTheSameBytes) {
   }
 }
 
-TEST_F(RecordTest, BytesDoNotDependOnWhichStageIsSlow) {
+TEST_F(RecordTest, BytesDoNotDependOnTheSlowestStage) {
   record::record(tessellationScene(), settings_, proceed_);
   const std::string quick = bytesOf(settings_.folder / "deployment.mp4");
   record::record(tessellationScene(), settings_, [](const record::Progress&) {
@@ -403,7 +403,7 @@ scene::Scene fallingScene() {
   return scene;
 }
 
-TEST_F(RecordTest, ShowsWhatLeavesAPictureOfTheEndsToo) {
+TEST_F(RecordTest, ShowsBricksThatLeaveAPictureOfTheEnds) {
   settings_.appearance.camera.view = picture::kFrontView;
   settings_.frames = true;
   settings_.snapshots = false;

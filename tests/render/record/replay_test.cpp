@@ -62,7 +62,7 @@ TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
   }
 }
 
-TEST_F(ReplayTest, EndsWithTheLastSampleWhateverTheStep) {
+TEST_F(ReplayTest, EndsWithTheLastSampleForAnyStep) {
   EXPECT_THAT(timesOfReplay(0.4), testing::Pointwise(testing::DoubleEq(), {0.0, 0.4, 0.8, 1.0}));
   EXPECT_EQ(timesOfReplay(0.1).size(), 11U);
   EXPECT_EQ(timesOfReplay(5).size(), 2U);

@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Captions, SpeakOfParametersInFewDigits) {
+TEST(Captions, HaveFewDigits) {
   EXPECT_THAT(
       sweep::captionsOf({"spring_stiffness", "rows"}, {{"12.7427499", "4"}, {"1000", "12345"}}),
       ElementsAre("spring stiffness 12.7, rows 4", "spring stiffness 1000, rows 12345"));
@@ -16,7 +16,7 @@ TEST(Captions, SpeakOfParametersInFewDigits) {
               ElementsAre("path straight, gravity 0,0,-9.81"));
 }
 
-TEST(Captions, TellNearValuesApart) {
+TEST(Captions, DistinguishNearValues) {
   EXPECT_THAT(sweep::captionsOf({"k"}, {{"1.00011"}, {"1.00012"}, {"2.5"}}),
               ElementsAre("k 1.00011", "k 1.00012", "k 2.5"));
   EXPECT_THAT(sweep::captionsOf({"k"}, {{"0.123456"}, {"0.123456"}}),

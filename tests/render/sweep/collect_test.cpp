@@ -40,7 +40,7 @@ constexpr const char* kSummary =
     "{\"joint_gap_max\": 0.5, \"rigid_bound\": null},"
     " \"cost\": {\"steps\": 7, \"wall_seconds\": 1.5}}";
 
-TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
+TEST_F(CollectTest, ListsFailedRunsNextToDoneOnes) {
   finish("c", kSummary);
   finish("a", "", "no such \"sheet\", sorry");
   const sweep::Gathered gathered = gatherThree();

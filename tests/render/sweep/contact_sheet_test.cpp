@@ -79,7 +79,7 @@ TEST_F(ContactSheet, ShowsBricksAsThickAsTheyAre) {
   EXPECT_NE(studioPicture(0.1).pixels, studioPicture(0.4).pixels);
 }
 
-TEST_F(ContactSheet, LeavesRoomForFailedRuns) {
+TEST_F(ContactSheet, HasEmptyCellsForFailedRuns) {
   const picture::Frame page =
       sweep::composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
   EXPECT_EQ(firstOf(page).pixels,

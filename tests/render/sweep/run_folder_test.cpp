@@ -18,7 +18,7 @@ class RunFolderTest : public testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
+TEST_F(RunFolderTest, IsFinishedIfItIsComplete) {
   std::optional<sweep::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   std::ofstream(claim->folder() / "summary.json") << "{}";
@@ -58,7 +58,7 @@ TEST_F(RunFolderTest, ClearedRunKeepsItsRecord) {
   EXPECT_EQ(sweep::readRunRecord(finished())->reason, "no room");
 }
 
-TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
+TEST_F(RunFolderTest, FailedRunsAreRepeatedOnRequest) {
   take()->finish({true, "no such sheet", {}});
   EXPECT_FALSE(take());
   std::optional<sweep::RunClaim> again = take(true);

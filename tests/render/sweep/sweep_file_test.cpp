@@ -19,7 +19,7 @@ void expectRefused(const std::string& text, const std::string& part) {
   EXPECT_THAT([&] { read(text); }, testing::ThrowsMessage<InputError>(HasSubstr(part))) << text;
 }
 
-TEST(SweepFile, ReadsBaseGridAndWhatIsKept) {
+TEST(SweepFile, ReadsBaseGridAndKeptFiles) {
   const sweep::Sweep sweep = read(
       "generate = \"fan\"\nkeep = \"pictures\"\n[base]\nduration = 2.5\nground = true\n"
       "[grid]\ncolumns = [4, 2]\ngravity = [[0, 0, -1], [0, 0, -9.81]]\n"
@@ -46,7 +46,7 @@ TEST(SweepFile, NamesOfFilesAreRelativeToIt) {
   EXPECT_EQ(sweep.plan.run(2)[0].text, "cap");  // may be the name of a known model
 }
 
-TEST(SweepFile, RefusesWhatIsEmpty) {
+TEST(SweepFile, RefusesEmptyParts) {
   expectRefused("model = \"a\"\n",
                 "sweep.toml: error: there is nothing to vary; add [grid], [list] "
                 "or [latin_hypercube]");
@@ -71,7 +71,7 @@ TEST(SweepFile, RefusesMoreThanMemoryHolds) {
                 few);
 }
 
-TEST(SweepFile, RefusesWhatIsWrittenWrong) {
+TEST(SweepFile, RefusesInvalidFiles) {
   expectRefused("[grids]\n", "sweep.toml:1:2: error: unknown key grids, did you mean grid?");
   expectRefused("keep = \"everything\"\n",
                 "give \"state\", \"trajectory\", \"pictures\" or \"all\"");

@@ -65,7 +65,7 @@ TEST(WorkerPool, CrashLosesOnlyItsOwnJob) {
   EXPECT_EQ(pool.verdicts[sweep::Verdict::Done], 18);
 }
 
-TEST(WorkerPool, ErrorEndsItsWorkerThoughNobodyCanBeTold) {
+TEST(WorkerPool, ErrorEndsItsWorkerIfItCannotBeReported) {
   PoolRun pool;
   EXPECT_TRUE(pool.run(2, [](std::uint64_t job) {
     if (job == 1) return sweep::Verdict::Done;

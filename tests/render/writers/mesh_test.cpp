@@ -395,7 +395,7 @@ TEST(Mesh, HasTheSameBytesTwice) {
   }
 }
 
-TEST(Mesh, ReportsWhichEndingsItKnows) {
+TEST(Mesh, ReportsWhichEndingsExist) {
   const Layout layout = polygons();
   const TemporaryFolder folder;
   for (const auto& [name, ending] :
@@ -413,7 +413,7 @@ TEST(Mesh, ReportsWhichEndingsItKnows) {
   EXPECT_TRUE(folder.isEmpty());
 }
 
-TEST(Mesh, LeavesNothingWhereItCannotWrite) {
+TEST(Mesh, LeavesNoFileIfItCannotWrite) {
   const Layout layout = polygons();
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "missing" / "state.obj";

@@ -34,7 +34,7 @@ TEST(MeshTools, AssimpCountsMeshesAndFaces) {
   EXPECT_EQ(numberAfter(ply, "Faces:"), 48);
 }
 
-TEST(MeshTools, AdmeshFindsFourSoundParts) {
+TEST(MeshTools, AdmeshFindsFourValidParts) {
   if (!test::hasProgram("admesh")) GTEST_SKIP() << "install admesh to check STL files with it";
   const std::string report = judgement("admesh", "state.stl");
   EXPECT_EQ(numberAfter(report, "Number of parts       :"), 4) << report;

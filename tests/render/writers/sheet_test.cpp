@@ -173,7 +173,7 @@ TEST(NeckOutlines, HaveTheNecksOfTheModel) {
   }
 }
 
-TEST(NeckOutlines, SharedCornersNeedShutSlits) {
+TEST(NeckOutlines, SharedCornersNeedClosedSlits) {
   // Three of four squares round a corner that joins them all, with slots in the model.
   const auto square = [](double x, double y) {
     return model::Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
@@ -206,7 +206,7 @@ std::string refusal(const model::Model& model, double width) {
   return test::refusalOf([&] { writers::cutPattern(model, width); });
 }
 
-TEST(CutPattern, ReportsWhatHasNone) {
+TEST(CutPattern, ReportsModelsWithoutPattern) {
   model::Model model = generate::makeTessellation(shapeOf(2, 2, 0));
   EXPECT_EQ(refusal(model, 0),
             "error: hinges cannot be 0 m wide; give a positive --hinge-width, "

@@ -66,7 +66,7 @@ std::vector<double> arrayOf(const std::string& text, const std::string& name) {
   return numbers;
 }
 
-TEST(Vtu, HoldsEveryCornerToTheLastBit) {
+TEST(Vtu, HasEveryCornerToTheLastBit) {
   const State state;
   const std::vector<double> points = arrayOf(state.text(), "points");
   std::size_t next = 0;
@@ -82,7 +82,7 @@ TEST(Vtu, HoldsEveryCornerToTheLastBit) {
   EXPECT_EQ(next, points.size());
 }
 
-TEST(Vtu, HoldsTheMeasures) {
+TEST(Vtu, HasTheMeasures) {
   const State state;
   const std::string text = state.text();
   EXPECT_EQ(arrayOf(text, "TimeValue"), std::vector<double>{0.25});
@@ -103,7 +103,7 @@ TEST(Vtu, HoldsTheMeasures) {
   EXPECT_EQ(moves[0], 0);
 }
 
-TEST(Vtu, LeavesOutWhatIsNotThere) {
+TEST(Vtu, OmitsAbsentParts) {
   State state;
   state.subject.model.target.reset();
   EXPECT_THAT(state.text(), Not(HasSubstr("target")));

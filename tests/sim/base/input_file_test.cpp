@@ -14,7 +14,7 @@ namespace {
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-TEST(TextFile, IsReadWhole) {
+TEST(TextFile, IsReadCompletely) {
   const test::TemporaryFolder folder;
   const std::string text("a\0b\r\n", 5);
   std::ofstream(folder / "a.txt", std::ios::binary) << text;

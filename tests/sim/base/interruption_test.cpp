@@ -19,11 +19,11 @@ double checkFor30Milliseconds() {
   return passed.count();
 }
 
-TEST(Interruption, NobodyIsAskedOutsideOfScopes) {
+TEST(Interruption, NoCheckIsCalledOutsideOfScopes) {
   EXPECT_NO_THROW(checkFor30Milliseconds());
 }
 
-TEST(Interruption, ScopesAreAskedFromTheOutermostOn) {
+TEST(Interruption, ChecksAreCalledFromTheOutermostOn) {
   std::string asked;
   const InterruptionScope outer([&] { asked += 'a'; });
   {
@@ -36,7 +36,7 @@ TEST(Interruption, ScopesAreAskedFromTheOutermostOn) {
   EXPECT_EQ(asked.substr(0, 2), "aa");
 }
 
-TEST(Interruption, AsksSeldomEnoughForLoopsOfAnySpeed) {
+TEST(Interruption, ChecksSeldomEnoughForLoopsOfAnySpeed) {
   int asked = 0;
   const InterruptionScope scope([&] { ++asked; });
   const double passed = checkFor30Milliseconds();
@@ -63,7 +63,7 @@ TEST(Interruption, ReachesThreadsThatItIsCarriedTo) {
   EXPECT_TRUE(isEnded);
 }
 
-TEST(Interruption, KnowsWhetherItWouldBeCaught) {
+TEST(Interruption, ReportsWhetherItWouldBeCaught) {
   EXPECT_FALSE(InterruptionCatcher::isThere());
   {
     const InterruptionCatcher outer;

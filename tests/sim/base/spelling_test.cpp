@@ -46,7 +46,7 @@ TEST(CodePoints, AreThoseOfUtf8) {
   EXPECT_EQ(codePoints(""), U"");
 }
 
-TEST(CodePoints, AreNoneOfOtherBytes) {
+TEST(CodePoints, AreAbsentForOtherBytes) {
   // A lone byte, a text that stops within a character, an overlong slash, half of a pair of UTF-16.
   for (const char* text : {"\xff", "a\xc3", "\xc0\xaf", "\xed\xa0\x80"}) {
     EXPECT_FALSE(codePoints(text)) << text;

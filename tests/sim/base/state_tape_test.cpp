@@ -56,7 +56,7 @@ TEST(StateTape, PlaysBackWhatWasRecorded) {
   EXPECT_EQ(copy.motion.velocities[0].angular, original.motion.velocities[0].angular);
 }
 
-TEST(StateTape, RefusesToPlayWhatItDoesNotHold) {
+TEST(StateTape, RefusesToPlayMissingEntries) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   // A list that claims more entries than there are numbers takes no memory for them.
   for (const std::vector<double>& numbers :

@@ -116,7 +116,7 @@ model::Model flushTriangles() {
   return model;
 }
 
-TEST(Hinges, KnowAnglesBeyondAStraightAngle) {
+TEST(Hinges, HaveAnglesBeyondAStraightAngle) {
   const Sheet sheet(flushTriangles());
   const brick::Hinge hinge = sheet.hinges(true).hinges.at(0);
   EXPECT_NEAR(hinge.start, 0, 1e-12);
@@ -153,7 +153,7 @@ TEST(Hinges, AnglesAreContinuousBeyondWhatBricksCanReach) {
   }
 }
 
-TEST(Hinges, HaveTheSameAnglesWhicheverTileComesFirst) {
+TEST(Hinges, HaveTheSameAnglesForBothOrdersOfTiles) {
   model::Model swapped = flushTriangles();
   std::swap(swapped.joints[0].a, swapped.joints[0].b);
   const brick::Hinge hinge = Sheet(swapped).hinges(true).hinges.at(0);
@@ -185,7 +185,7 @@ TEST(Hinges, AtFoldsHaveFoldsSign) {
   }
 }
 
-TEST(Hinges, AreNotWhereNothingTurnsAboutAnAxis) {
+TEST(Hinges, AreAbsentWithoutAnAxis) {
   const Sheet balls(squares(2, 0.3, model::JointFace::Bottom));
   EXPECT_EQ(balls.hinges(true).hinges.size(), 4u);
   EXPECT_EQ(balls.hinges(false).hinges.size(), 0u);
@@ -199,7 +199,7 @@ TEST(Hinges, AreNotWhereNothingTurnsAboutAnAxis) {
   EXPECT_EQ(Sheet(fixed).hinges(true).hinges.size(), 3u);
 }
 
-TEST(HingeSprings, TellWhatTheyHoldAtBothEnds) {
+TEST(HingeSprings, ReportTheirEnergyAtBothEnds) {
   const Sheet sheet(squares(2, 0));
   const std::vector<brick::HingeSpring> springs = springsAt(sheet.hinges(true), 3, 0.5);
   const brick::Elasticity found =

@@ -30,7 +30,7 @@ TEST(WithoutCorners, LeavesAFifthOfAnEdgeWithoutBothEnds) {
   EXPECT_NEAR((cut.bottom[2] - cut.bottom[1]).norm(), 0.2, 1e-15);
 }
 
-TEST(WithoutCorners, WithoutAnyIsTheBrick) {
+TEST(WithoutCorners, WithoutCutsIsTheBrick) {
   const brick::Brick plate = unitPlate();
   EXPECT_EQ(brick::withoutCorners(plate, {}, 0.1).bottom, plate.bottom);
 }

@@ -47,7 +47,7 @@ Pose at(double x, double y, double z) {
   return {{x, y, z}, Quaternion::Identity()};
 }
 
-TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
+TEST(ContactFinder, SharesNoContactsWithAnotherOne) {
   // Bricks that come near each other in only one of two finders.
   const std::vector<brick::Brick> bricks(2, test::plate(1e-3));
   const Poses far = {at(0, 0, 0), at(50, 0, 0)};
@@ -88,7 +88,7 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
   }
 }
 
-TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
+TEST(ContactFinder, FindsAllContactsOnThePath) {
   // Random moves of random pairs; the second method checks 100 poses between.
   Chance chance(2);
   int met = 0;
@@ -234,7 +234,7 @@ TEST(ContactFinder, LetsJoinedBricksTurnAwayFreely) {
   }
 }
 
-TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
+TEST(ContactFinder, StopsJoinedBricksWhoseSidesTouch) {
   const JoinedPair pair;
   for (const bool planar : {true, false}) {
     EXPECT_TRUE(pair.turn(0.1, 1e-7, planar).contacts.empty());
@@ -249,7 +249,7 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
   }
 }
 
-TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
+TEST(ContactFinder, StopsAFoldWhenTheFacesTouch) {
   // The second plate is hinged along a side. It folds over the first and may lie on it, but not
   // overlap it.
   const std::vector<brick::Brick> bricks(2, test::plate(0.02));
@@ -308,7 +308,7 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
   EXPECT_EQ(towardsTops, 1);
 }
 
-TEST(ContactFinder, HandsNoPairOverThroughItself) {
+TEST(ContactFinder, NeverChangesToAPlaneOnTheOtherSide) {
   // Thin plates that overlap by more than their thickness at the start. Every plane between them
   // counts as separating, but none may change to the plane on the other side.
   const std::vector<brick::Brick> bricks(2, test::plate(0.01));
@@ -356,7 +356,7 @@ TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
   }
 }
 
-TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
+TEST(ContactFinder, KeepsAnOverlapClosedOnceItIs) {
   const std::vector<brick::Brick> bricks(2, test::plate(0.5));
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
   contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
@@ -435,7 +435,7 @@ std::vector<std::vector<double>> signatures(const Found& found, const std::vecto
   return rows;
 }
 
-TEST(ContactFinder, FindsTheSameWhateverHappenedBefore) {
+TEST(ContactFinder, FindsTheSameForAnyHistory) {
   const std::vector<int> order = {0, 1, 2, 3};
   const Found fresh = heap(order, 0);
   EXPECT_GT(fresh.contacts.size(), 10u);

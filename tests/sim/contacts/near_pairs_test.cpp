@@ -58,7 +58,7 @@ TEST(NearPairs, PlayAStateFromBeforeTheFirstUpdate) {
   EXPECT_FALSE(used.pairs().empty());
 }
 
-TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
+TEST(NearPairs, ContainEveryPairWhoseBoxesOverlap) {
   // Second method: all boxes against all.
   Chance chance(2);
   const std::vector<brick::Brick> bricks = prisms(40);

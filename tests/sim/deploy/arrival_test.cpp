@@ -74,7 +74,7 @@ TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
 }
 
 // Overlaps count only for pairs that have contacts.
-TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
+TEST(Arrival, OverlapsOfJoinedPairsDoNotCountIfOnlyUnjoinedOnesTouch) {
   // Two squares close about a common corner, and overlap beyond it.
   scene::Scene scene = sceneOf(familyOf(
       "tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));

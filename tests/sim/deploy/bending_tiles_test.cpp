@@ -106,7 +106,7 @@ TEST(BendingTiles, KeepTheirEnergyToTheTolerance) {
   }
 }
 
-TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
+TEST(BendingTiles, NeverDivergeForAnyStiffnessAndStep) {
   for (const double youngs : {1e-6, 1e0, 1e6, 1e12, 1e15}) {
     for (const double step : {1.0 / 960, 1.0 / 60, 0.1}) {
       scene::Scene scene = bendingSquare(youngs);
@@ -131,7 +131,7 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
 }
 
 // The parts of a tile are hinged on one face, and bend to both sides.
-TEST(BendingTiles, AreNotInTheirOwnWay) {
+TEST(BendingTiles, DoNotCollideWithThemselves) {
   for (const double side : {1.0, -1.0}) {
     std::vector<double> angles;
     for (const scene::ContactFilter contacts :
@@ -184,7 +184,7 @@ mechanics::Equilibrium balanceOf(scene::Scene scene) {
 
 // A damped run comes to rest in the equilibrium of bars and hinges of the same material, up to the
 // strain of the bars: bending is softer than stretching by the square of the thickness.
-TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
+TEST(BendingTiles, RestInTheEquilibriumOfStiffBarsAndHinges) {
   std::vector<double> heights, energies;
   for (const double thickness : {1e-3, 3e-4}) {
     const mechanics::Equilibrium balance = balanceOf(frustratedSheet(thickness));
@@ -245,7 +245,7 @@ std::string messageFor(const scene::Scene& scene) {
   return test::refusalOf([&] { deploy::deploy(scene, 0.5, nullptr); });
 }
 
-TEST(BendingTiles, SayWhatKeepsThemFromBending) {
+TEST(BendingTiles, ReportWhyTheyStayRigid) {
   scene::Scene scene = bendingSquare(1e6);
   scene.solver.planar = true;
   EXPECT_EQ(messageFor(scene),

@@ -32,7 +32,7 @@ std::vector<run::BlockingPair> blockingOf(const scene::Scene& scene) {
   return run::blockingPairs(scene, run::assembleAtTarget(scene).restPoses);
 }
 
-TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {
+TEST(Blockage, AFoldAwayFromTheJointsIsFree) {
   EXPECT_TRUE(blockingOf(foldedPair(-1)).empty());
 }
 

@@ -61,7 +61,7 @@ Watched fly(Moving& bricks, int steps) {
   return seen;
 }
 
-TEST(ConcaveBricks, TwoLShapesMeetWhereTheirSidesDo) {
+TEST(ConcaveBricks, TwoLShapesTouchAtTheirSides) {
   // One in the notch of the other, with 40 initial motions.
   std::mt19937 random(4);
   std::uniform_real_distribution<double> speed(-1, 1);
@@ -99,7 +99,7 @@ TEST(ConcaveBricks, AStarTouchesTheNotchThatItFallsInto) {
   }
 }
 
-TEST(ConcaveBricks, PartsOfOneBrickNeverMeet) {
+TEST(ConcaveBricks, PartsOfOneBrickNeverCollide) {
   Moving star(looseTiles({test::starShape(7, 2, 0.5), {{{9, 9, 0}, {10, 9, 0}, {9, 10, 0}}}}));
   star.motion.velocities[0].linear = {1, 0.5, 0};
   star.motion.velocities[0].angular = {0, 0, 3};

@@ -104,7 +104,7 @@ std::vector<double> figuresOf(run::DeploymentResult& result) {
 }
 
 // Metamorphic: the rate of samples changes neither steps nor figures, except counts of samples.
-TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
+TEST(Deploy, OnlySamplesDependOnTheirRate) {
   scene::Scene scene = smallScene();
   scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
@@ -280,7 +280,7 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
   EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledError, 1, 1e-3);  // measured 1e-5
 }
 
-TEST(Deploy, WithoutTargetItSettlesWhereItStands) {
+TEST(Deploy, WithoutTargetItSettlesAtTheStart) {
   scene::Scene scene = smallScene();
   scene.model.target.reset();
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -309,7 +309,7 @@ TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
   EXPECT_THAT(result.reason, HasSubstr(". Try a shorter `timestep` or more damping"));
 }
 
-TEST(Deploy, ExactJointsBearTheSameStiffness) {
+TEST(Deploy, ExactJointsAreStableAtTheSameStiffness) {
   scene::Scene scene = smallScene();
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -317,7 +317,7 @@ TEST(Deploy, ExactJointsBearTheSameStiffness) {
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);  // measured 4e-13
 }
 
-TEST(Deploy, ClosesAnOpenStartAndTellsHowFarThatWent) {
+TEST(Deploy, ClosesAnOpenStartAndReportsHowFar) {
   scene::Scene scene = smallScene();
   for (Vector3& vertex : scene.model.tiles[4].vertices) vertex.x() += 1e-3;
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -331,7 +331,7 @@ std::string errorOf(const scene::Scene& scene, double interval) {
   return test::refusalOf([&] { deploy::deploy(scene, interval, nullptr); });
 }
 
-TEST(Deploy, RefusesTimesThatMakeNoSense) {
+TEST(Deploy, RefusesInvalidTimes) {
   EXPECT_EQ(errorOf(smallScene(), 0),
             "the time between samples is 0 s, but must be finite and > 0");
   scene::Scene scene = smallScene();
@@ -344,7 +344,7 @@ TEST(Deploy, RefusesTimesThatMakeNoSense) {
             "error: duration: 'nan' is not allowed; give a number from 1e-06 to 1e+06");
 }
 
-TEST(Deploy, RefusesDampingThatTakesAll) {
+TEST(Deploy, RefusesDampingOfOne) {
   scene::Scene scene = smallScene();
   scene.environment.linearDamping = 1;
   EXPECT_EQ(errorOf(scene, 0.1),

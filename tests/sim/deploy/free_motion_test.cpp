@@ -190,11 +190,11 @@ TEST(FreeMotion, TheMeasuredErrorIsThatOfTumblingTiles) {
   }
 }
 
-TEST(FreeMotion, NoErrorIsClaimedThatWasNotMeasured) {
+TEST(FreeMotion, OnlyMeasuredErrorsAreReported) {
   EXPECT_FALSE(deploy::deploy(pendulum(0.1), 1.0 / 60, nullptr).timeError);
 }
 
-TEST(FreeMotion, StepsThatGiveEnergyAreWarnedOf) {
+TEST(FreeMotion, StepsThatAddEnergyHaveAWarning) {
   // A long tile spins about its middle axis, which is unstable.
   model::Model model;
   model.tiles = {{{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}};

@@ -36,7 +36,7 @@ double openingAtEnd(const run::DeploymentResult& run) {
                            run.trajectory.samples.back().poses);
 }
 
-TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
+TEST(SprungSheets, ComeToRestAtTheRestOfTheirSprings) {
   const run::DeploymentResult run = deploy::deploy(sprungSheet(5), 0.1, nullptr);
   EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   EXPECT_NEAR(openingAtEnd(run), 70 * kDegree, 1e-5);  // measured 2e-7
@@ -72,7 +72,7 @@ TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
 // fold by c and -c, the two others by -z: tan(c / 2) = cos(60 degrees) tan(z / 2), as the vertex
 // closes (T. A. Evans, R. J. Lang, S. P. Magleby, L. L. Howell, Rigidly foldable origami gadgets
 // and tessellations, R. Soc. Open Sci. 2, 2015).
-TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
+TEST(SprungSheets, FoldByTheAnglesOfTheirFile) {
   const double z = 50, c = 2 * std::atan(0.5 * std::tan(0.5 * z * kDegree)) / kDegree;
   const double h = std::sqrt(0.75);
   const test::TemporaryFolder folder;

@@ -80,7 +80,7 @@ TEST(Obstacles, ABrickFallsOntoABoxAndRests) {
   }
 }
 
-TEST(Obstacles, PushWithTheWeightOfWhatRestsOnThem) {
+TEST(Obstacles, CarryTheWeightOfBricksOnThem) {
   // A wide box holds the brick's corners with its face, a narrow one the brick's face with its own
   // corners.
   for (const double width : {2.0, 0.2}) {
@@ -102,7 +102,7 @@ TEST(Obstacles, PushWithTheWeightOfWhatRestsOnThem) {
 }
 
 // An obstacle is no body of a solver: without contact every bit stays the same.
-TEST(Obstacles, ChangeNothingWhereNothingMeetsThem) {
+TEST(Obstacles, ChangeNothingWithoutContact) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 3;
   scene::Scene with = sceneOf(generate::makeTessellation(shape).tiles, box({0, 0, 50}, {1, 2, 3}));
@@ -179,7 +179,7 @@ TEST(Obstacles, ABrickRocksOnASphereWithTheClosedFormsPeriod) {
   EXPECT_EQ(run.unconverged, 0);
 }
 
-TEST(Obstacles, NothingPassesThroughAThinFaceHoweverFast) {
+TEST(Obstacles, NothingPassesThroughAThinFaceAtAnySpeed) {
   scene::Obstacle wall;
   wall.shape = scene::Obstacle::Shape::Mesh;
   wall.mesh = {rectangle({0, 0, -1}, 4, 4)};
@@ -222,7 +222,7 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
 }
 
-TEST(Obstacles, AreNamedWhereTheyStopADeployment) {
+TEST(Obstacles, AreNamedIfTheyStopADeployment) {
   const model::Tile tile = rectangle({0, 0, 0}, 1, 1);
   for (const bool isMesh : {false, true}) {
     const Vector3 middle(2, 0, 0);
@@ -240,7 +240,7 @@ std::string refusal(const scene::Scene& scene) {
   return test::refusalOf([&] { deploy::deploy(scene, 0.1, nullptr); });
 }
 
-TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {
+TEST(Obstacles, MayNotOverlapABrickAtTheStart) {
   EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()))),
             "error: tile 0 overlaps obstacle 0 by 0.05 m at the start. Move the obstacle");
   EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, sphere({0, 0, -0.45}, 0.5))),
@@ -254,7 +254,7 @@ TEST(Obstacles, TilesAreNumberedAsInTheModelsFile) {
             "error: tile 1 overlaps obstacle 0 by 0.05 m at the start. Move the obstacle");
 }
 
-TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
+TEST(Obstacles, AreRefusedIfTheyHaveNoEffect) {
   scene::Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
   scene.solver.planar = true;
   EXPECT_EQ(

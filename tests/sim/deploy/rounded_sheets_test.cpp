@@ -195,7 +195,7 @@ TEST(RoundedSheets, WithCornersLeftOpenExtendFully) {
   }
 }
 
-TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
+TEST(RoundedSheets, ReportByHowMuchJointsOpenAndWhy) {
   const run::DeploymentResult run = deploy::deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
   EXPECT_NE(run.reason.find("the model's tiles fit each other only to 0.001 m"), std::string::npos)
       << run.reason;
@@ -222,7 +222,7 @@ TEST(RoundedSheets, StayInAnyPlane) {
 }
 
 // Two rows of tiles close exactly for any shapes. Measured: 1e-12 m.
-TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
+TEST(RoundedSheets, KeepExactJointsIfTilesFit) {
   const model::Model chain = generate::generateModel(
       generate::familyNamed("tessellation"),
       {{"columns", 2}, {"rows", 2}, {"length", 0.913}, {"start-angle", 20}, {"target-angle", 77}});

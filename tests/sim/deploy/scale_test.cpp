@@ -67,7 +67,7 @@ TEST(Scale, PowersOfTwoChangeOnlyExponents) {
   }
 }
 
-TEST(Scale, MillimetresTakeTheSamePath) {
+TEST(Scale, MillimetresGiveTheSamePath) {
   // Rounding grows where a closed start opens: measured 1.1e-8 and 5.3e-8.
   expectSameAtScale(tessellation(), 1e-3, 1e-6);
   expectSameAtScale(cap(), 1e-3, 1e-6);
@@ -96,7 +96,7 @@ scene::Scene byDynamics(scene::Scene scene) {
   return scene;
 }
 
-TEST(Scale, StepsToAToleranceMoveAlike) {
+TEST(Scale, StepsToAToleranceMoveEqually) {
   for (const scene::Scene& scene : {byDynamics(tessellation()), byDynamics(cap())}) {
     expectSameAtScale(scene, std::ldexp(1, -10), 0);
     expectSameAtScale(scene, std::ldexp(1, 10), 0);
@@ -121,7 +121,7 @@ void expectSameMotion(const scene::Scene& scene, const scene::Scene& other, doub
   EXPECT_LE(difference(run, same, 1), tolerance);
 }
 
-TEST(Scale, HeavierBricksMoveAlikeByDefault) {
+TEST(Scale, HeavierBricksMoveEquallyByDefault) {
   for (const scene::Scene& scene : {tessellation(), cap(), amongBricks(cap())}) {
     // Square roots of masses change only exponents if the masses change by a power of four.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 4000), 0);
@@ -134,7 +134,7 @@ TEST(Scale, HeavierBricksMoveAlikeByDefault) {
   }
 }
 
-TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
+TEST(Scale, ThickerBricksMoveEquallyInThePlane) {
   scene::Scene thick = weighing(tessellation(), 300);
   thick.brick.thickness *= 3;
   run::DeploymentResult run = deploy::deploy(weighing(tessellation(), 1000), 1.0 / 60, nullptr);

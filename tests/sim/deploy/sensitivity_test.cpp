@@ -38,7 +38,7 @@ void expectArrived(const run::DeploymentResult& result) {
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
 }
 
-TEST(Sensitivity, DampingSlowsADeploymentAndLeavesItsEnd) {
+TEST(Sensitivity, DampingSlowsADeploymentAndKeepsItsEnd) {
   double before = 0;
   for (const double damping : {10, 50, 250}) {
     scene::Scene scene = capScene();
@@ -50,7 +50,7 @@ TEST(Sensitivity, DampingSlowsADeploymentAndLeavesItsEnd) {
   }
 }
 
-TEST(Sensitivity, StiffnessQuickensADeploymentAndLeavesItsEnd) {
+TEST(Sensitivity, StiffnessSpeedsUpADeploymentAndKeepsItsEnd) {
   double before = 100;
   for (const double stiffness : {25, 100, 400}) {
     scene::Scene scene = capScene();
@@ -62,7 +62,7 @@ TEST(Sensitivity, StiffnessQuickensADeploymentAndLeavesItsEnd) {
   }
 }
 
-TEST(Sensitivity, ThicknessLeavesTheEndWhereBricksMayOverlap) {
+TEST(Sensitivity, ThicknessKeepsTheEndIfBricksMayOverlap) {
   for (const double thickness : {0.005, 0.02, 0.1}) {
     scene::Scene scene = capScene();
     scene.brick.thickness = thickness;
@@ -81,7 +81,7 @@ double spread(const Poses& poses) {
 
 class Expansion : public testing::TestWithParam<const char*> {};
 
-TEST_P(Expansion, EndsAtTheSheetsLimitWhateverItsStrengthAndInItsPlane) {
+TEST_P(Expansion, EndsAtTheSheetsLimitForAnyStrengthAndInItsPlane) {
   std::vector<double> ends;
   for (const double stiffness : {25, 100}) {
     for (const std::optional<bool> planar : {std::optional<bool>{}, std::optional<bool>{false}}) {

@@ -128,7 +128,7 @@ TEST(TimeTolerance, ReportsForHowLongContactsWereTooMany) {
   EXPECT_LT(run.accuracy.penetrationGrownMax, 1e-4);
 }
 
-TEST(TimeTolerance, GoesOnThroughSingularStarts) {
+TEST(TimeTolerance, ContinuesThroughSingularStarts) {
   scene::Scene scene = openingSheet(1e-4);
   generate::TessellationShape shape;
   shape.columns = shape.rows = 4;

@@ -168,7 +168,7 @@ TEST(BulletWorld, KeepsPivotsTogetherWhileSwinging) {
   EXPECT_LT(gap, 1e-3);  // measured: 2.3e-4
 }
 
-TEST(BulletWorld, LetsOverlappingBricksBeWithoutContacts) {
+TEST(BulletWorld, KeepsOverlapsWithoutContacts) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(0.5, 0, 0.03)});
   engines::BulletWorld world = makeWorld(layout, emptySpace());
   advance(world, 100);

@@ -235,7 +235,7 @@ TEST(CutPatterns, SlotsMayBeAsNarrowAsTheLastDigit) {
 }
 
 // A slot continues from the corner at which an edge of the outline ends. Rounding moves both.
-TEST(CutPatterns, SlotsGoOnFromEdgesOfTheOutline) {
+TEST(CutPatterns, SlotsContinueFromEdgesOfTheOutline) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(0, 1);
   for (int k = 0; k < 1000; ++k) {
@@ -412,7 +412,7 @@ TEST(CutPatterns, SlotsMayBeHalfATileWide) {
 }
 
 // A relief at a neck of the border, wider than deep, is not a slot: the joint stays on the border.
-TEST(CutPatterns, NotchesOfTheOutlineAreNoSlots) {
+TEST(CutPatterns, NotchesOfTheOutlineAreNotSlots) {
   const double kerf = 0.5;
   for (const double depth : {0.5 * kerf, 0.9 * kerf}) {
     const SlitGrid grid(4, [] { return 1.5; });
@@ -547,7 +547,7 @@ TEST(CutPatterns, CoordinatesMayHaveOneDecimal) {
 }
 
 /// A hexagon of six triangles, joined at its corners or at its middle.
-TEST(CutPatterns, CutsThatAimAtOnePointMeetThere) {
+TEST(CutPatterns, CutsThatAimAtOnePointEndThere) {
   const auto corner = [](int k) {
     const double angle = k * std::numbers::pi / 3;
     return Point(100 + 30 * std::cos(angle), 100 + 30 * std::sin(angle));
@@ -589,7 +589,7 @@ void expectPlainGrid(const Reading& reading, const std::string& said) {
   EXPECT_THAT(reading.note, HasSubstr(said));
 }
 
-TEST(CutPatterns, OtherLinesAreToldApart) {
+TEST(CutPatterns, OtherLinesAreRecognised) {
   const SlitGrid grid(4, [] { return 1.0; });
   std::string marks = "<g stroke=\"lime\">";
   for (std::size_t k = 0; k < grid.slits.size(); ++k) {

@@ -499,7 +499,7 @@ TEST(FoldFile, ChainsHaveOneWarningOfEachKind) {
 
 // Four squares around a vertex, cut from the side to the middle: the sides of the cut are one edge
 // in the file and separate when the sheet folds.
-TEST(FoldFile, SidesOfOpenCutsGetVerticesOfTheirOwn) {
+TEST(FoldFile, SidesOfOpenCutsGetTheirOwnVertices) {
   const json file = json::parse(
       R"({"file_spec": 1.1, "vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
       "faces_vertices": [[0,1,4,3],[1,2,5,4],[3,4,7,6],[4,5,8,7]],
@@ -552,7 +552,7 @@ TEST(FoldFile, SeriesMayHaveNoCoordinatesInFrame0) {
   EXPECT_EQ(cornerOf(*sheet.model.target, 1, 1), Vector3(1, 0, 1));
 }
 
-TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
+TEST(FoldFile, IndependentFramesAreIndependentModels) {
   json file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
   file["file_frames"] = json::parse(R"([
       {"frame_classes": ["graph"], "vertices_coords": [[5,5],[6,5]], "edges_vertices": [[0,1]]},
@@ -900,7 +900,7 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
 
 // Tiles in objects, as a program writes that numbers the vertices of each object again. Corners of
 // an open tessellation coincide only where they are joined.
-TEST(MeshFile, JoinsObjectsWhereTheyMeet) {
+TEST(MeshFile, JoinsObjectsAtCommonCorners) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 0.6;
@@ -943,7 +943,7 @@ TEST(RoundTrips, KeepTheUnit) {
   }
 }
 
-TEST(MeshFile, ReportsWhatObjHoldsBesides) {
+TEST(MeshFile, ReportsOtherContentOfObj) {
   EXPECT_EQ(
       readText(twoTriangles("f 1 2 3 4\nl 1 2\nl 2 3\np 1\ng a\nusemtl b\n"), {}, "a.obj").said,
       "@/a.obj: warning: ignored statements: l (2), p (1)");

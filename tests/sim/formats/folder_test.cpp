@@ -49,7 +49,7 @@ TEST(Folder, RoundTripOfLooseTile) {
   expectSameModel(readFolder(folder.path()), model);
 }
 
-TEST(Folder, NeverTakesThePlaceOfAnotherModel) {
+TEST(Folder, NeverReplacesAnotherModel) {
   const TemporaryFolder folder;
   model::Model model = generate::makeTessellation({});
   model.pulledTiles = std::vector<int>{3};

@@ -231,7 +231,7 @@ TEST(FormatErrors, FoldsByTwoAnglesAboutOneLine) {
   }
 }
 
-TEST(Formats, FoldCutsPartAndJoinsFix) {
+TEST(Formats, FoldCutsSeparateAndJoinsFix) {
   const TemporaryFolder folder;
   folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","C","B","B","B","B","B"])"));
   EXPECT_TRUE(read(folder.path() / "a.fold").joints.empty());
@@ -471,7 +471,7 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
       "N` reads frame N only");
 }
 
-TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
+TEST(FormatErrors, FoldNumbersThatDoNotExist) {
   EXPECT_EQ(messageForFold("[[0,1,2],[]]"),
             "@/a.fold: error: face 1 has 0 vertices; a tile has at least 3: complete it or delete "
             "it");
@@ -555,7 +555,7 @@ TEST(FormatErrors, ObjPullsOfNoFace) {
             "@/a.obj:1:8: error: there are faces 0-0, not 1; correct this number");
 }
 
-TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
+TEST(FormatErrors, ObjCornersThatCannotBeDistinguished) {
   // A sheet of size 1e3 with a tile of size 1e-4.
   EXPECT_EQ(messageFor({{"a.obj",
                          "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
@@ -597,7 +597,7 @@ TEST(FormatErrors, PlanarFiles) {
 }
 
 // The same files under another name of the model are the same model.
-TEST(PlanarNames, NeverChangeWhatFilesHold) {
+TEST(PlanarNames, NeverChangeTheMeaningOfFiles) {
   const std::string squares = "0 0 1 0 1 1 0 1\n1 1 2 1 2 2 1 2\n";
   for (const std::string name :
        {"sheet", "hull", "tiles", "rotating_tiles", "constraints_v2", "vertices", "hull_tiles",

@@ -292,7 +292,7 @@ TEST(PlanarNames, FoldersTakeAnotherListToo) {
             "model to a folder");
 }
 
-TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {
+TEST(PlanarNames, AWrongHullIsIgnoredWithAWarning) {
   Files files = planarFiles(openSheet(), 6, "a");
   files["a_hull.txt"] = "0 0\n99 1\n2 2\n";
   const Reading read = readFiles(files, "a_vertices.txt");

@@ -23,7 +23,7 @@ TEST(ConstrainedFit, FindsThePointOfACircleNearestToAPoint) {
   EXPECT_LT(fit.violation, 1e-13);  // measured 0
 }
 
-TEST(ConstrainedFit, MindsNoRepeatedEquations) {
+TEST(ConstrainedFit, AllowsRepeatedEquations) {
   const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     equations.desired.begin(x[0]);
     equations.desired.slope(0, 1);

@@ -175,7 +175,7 @@ std::string messageFor(const Request& request) {
   return test::refusalOf([&] { made(request); });
 }
 
-TEST(Families, SayWhatIsWrongWithARequest) {
+TEST(Families, ReportWrongParameters) {
   EXPECT_EQ(messageFor({"cap", {{"half-size", 9}}}),
             "cap: error: half-size is 9, but must be a whole number in [1, 6]");
   EXPECT_EQ(messageFor({"cap", {{"half-size", 2.5}}}),
@@ -191,7 +191,7 @@ TEST(Families, SayWhatIsWrongWithARequest) {
               "error: there is no family hart, did you mean heart?; give one of tessellation,"));
 }
 
-TEST(Families, RefuseSheetsThatAreNone) {
+TEST(Families, RefuseImpossibleSheets) {
   // Tiles of the narrow strip fold over.
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
             "heart: error: no sheet with these parameters was found (tiles are not convex at the "

@@ -59,7 +59,7 @@ TEST(LatticeDesigns, SquareBecomesADisk) {
   EXPECT_NEAR(area(field.tiles(0)), 25, 1e-12);
 }
 
-TEST(LatticeDesigns, SquaresTipsStandOnACircle) {
+TEST(LatticeDesigns, SquaresTipsLieOnACircle) {
   const auto [least, most] = tipDistances(generate::squareToCircleField(6), pi / 2);
   EXPECT_NEAR(least, most, 1e-12);  // measured 3e-15
   EXPECT_NEAR(most, 4.89, 0.05);    // 4.8915 by an independent solution with other soft weights

@@ -96,7 +96,7 @@ TEST(DenseKernels, SolveForwardAndBackward) {
   }
 }
 
-TEST(DenseKernels, TellThatAPivotIsNotPositive) {
+TEST(DenseKernels, ReportAPivotThatIsNotPositive) {
   for (const mechanics::DenseKernels* kernels : kernelSets()) {
     for (const auto& [rows, columns] : kShapes) {
       Front front(rows, columns);

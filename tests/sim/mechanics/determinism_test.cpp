@@ -21,7 +21,7 @@ TEST(Determinism, SameBytesWithAnyThreadCount) {
   EXPECT_EQ(hashWith("OMP_NUM_THREADS=7 OPENBLAS_NUM_THREADS=7"), hash);
 }
 
-TEST(Determinism, SameBytesWhateverStandsInFreshMemory) {
+TEST(Determinism, SameBytesForAnyContentOfFreshMemory) {
   EXPECT_EQ(hashWith("MALLOC_PERTURB_=0"), hashWith("MALLOC_PERTURB_=171"));
 }
 

@@ -81,7 +81,7 @@ TEST(Elimination, EveryPairHasAPlaceInItsFront) {
   }
 }
 
-TEST(Elimination, ChildrenComeBeforeTheOneParentThatTakesThemIn) {
+TEST(Elimination, ChildrenComeBeforeTheirOnlyParent) {
   for (const auto& [graph, plan] : samplePlans()) {
     SCOPED_TRACE(graph.name);
     std::vector<int> parents(plan.supernodes.size(), 0);

@@ -348,7 +348,7 @@ TEST(FreeSheet, KeepsItsEnergyAndItsMomenta) {
   EXPECT_LT((angularMomentum(sheet) - momentum).norm(), 1e-12);  // measured 5e-15
 }
 
-TEST(Extrapolation, LeavesTheMotionWhereAStepIsRefused) {
+TEST(Extrapolation, KeepsTheMotionIfAStepIsRejected) {
   JoinedBricks brick = spinningBrick();
   const Motion before = brick.motion;
   Stepping stepping(brick, false, 1e-4);

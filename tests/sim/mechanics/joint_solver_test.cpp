@@ -182,7 +182,7 @@ TEST(StepReport, AddsUp) {
   EXPECT_EQ(sum.factorizations, 44);
 }
 
-TEST(JointSolver, JointsThatGiveStretchByTheirLoad) {
+TEST(JointSolver, CompliantJointsStretchByTheirLoad) {
   generate::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;

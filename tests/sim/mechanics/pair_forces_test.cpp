@@ -114,7 +114,7 @@ TEST(PairForces, SwingWithTheFrequencyOfTheirClosedForm) {
 
 // Hinge springs are linear in the angles of the plane. A step with them as rows and one with them
 // as blocks, by Newton's method, therefore end in the same state.
-TEST(PairForces, MoveASheetAsSpringsAtItsHingesDo) {
+TEST(PairForces, MoveASheetLikeSpringsAtItsHinges) {
   for (const bool planar : {true, false}) {
     model::Model model = test::openSheet(3, 0.6);
     for (model::Joint& joint : model.joints) joint.face = model::JointFace::Both;
@@ -187,7 +187,7 @@ TEST(PairForces, HaveTheGradientOfTheirEnergy) {
 }
 
 // The default addForces() adds the loads of springs at rest.
-TEST(PairForces, PushAsTheirGradientsSay) {
+TEST(PairForces, PushByTheirGradients) {
   JoinedBricks sheet(test::openSheet(2, 0.6));
   std::vector<brick::HingeSpring> springs;
   for (const brick::Hinge& hinge : brick::findHinges(sheet.bricks, sheet.pivots, true).hinges) {

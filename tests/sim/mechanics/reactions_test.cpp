@@ -307,7 +307,7 @@ TEST(Reactions, AreDeterminateInATree) {
   for (std::size_t j = 0; j < found.size(); ++j) EXPECT_EQ(found[j], j < before) << j;
 }
 
-TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
+TEST_P(RedundantSheet, HasTheForcesOfEquallyStiffJoints) {
   // A sheet that is pinned at one end and pulled at the other, at rest on compliant joints: in the
   // limit of stiff joints their forces are those of least norm.
   const bool planar = GetParam();

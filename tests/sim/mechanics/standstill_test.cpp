@@ -32,14 +32,14 @@ class StandstillTest : public testing::Test {
   std::vector<brick::Load> loads_ = std::vector<brick::Load>(2);
 };
 
-TEST_F(StandstillTest, WhatFailedInHalvesIsNotTriedAgain) {
+TEST_F(StandstillTest, AFailureInHalvesIsNotTriedAgain) {
   EXPECT_TRUE(standstill_.mayHalve());
   EXPECT_TRUE(rest());
   EXPECT_TRUE(standstill_.isWhole());
   EXPECT_EQ(tried(100), 0);
 }
 
-TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
+TEST_F(StandstillTest, AFailureAsAWholeIsTriedInHalvesAtTheTenthStep) {
   EXPECT_TRUE(rest(true));
   EXPECT_FALSE(standstill_.isWhole());
   EXPECT_TRUE(rest());  // in one piece
@@ -49,7 +49,7 @@ TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
   EXPECT_TRUE(standstill_.mayHalve());
 }
 
-TEST_F(StandstillTest, OnePartThatStandsStillEndsHalving) {
+TEST_F(StandstillTest, OnePartAtRestEndsHalving) {
   standstill_.beginStep(motion_, loads_, kStep);
   EXPECT_TRUE(standstill_.mayHalve());
   standstill_.recordStandstill();
@@ -70,7 +70,7 @@ TEST_F(StandstillTest, AnyChangeIsTried) {
   EXPECT_TRUE(standstill_.beginStep(motion_, loads_, 0.5 * kStep));
 }
 
-TEST_F(StandstillTest, WhatItForgetsIsTriedInHalves) {
+TEST_F(StandstillTest, AForgottenStepIsTriedInHalves) {
   rest();
   standstill_.forget();
   EXPECT_TRUE(standstill_.beginStep(motion_, loads_, kStep));

@@ -67,7 +67,7 @@ void expectSoundParts(const model::Tile& tile) {
   EXPECT_NEAR(ofTriangles, model::tileArea(tile), 1e-13 * model::tileArea(tile));
 }
 
-TEST(ConvexParts, AreSoundForKnownShapes) {
+TEST(ConvexParts, AreValidForKnownShapes) {
   expectSoundParts(lShape());
   expectSoundParts(starShape(4, 2, 0.7));
   expectSoundParts(starShape(5, 2, 0.3));
@@ -102,7 +102,7 @@ TEST(ConvexParts, AreSoundForKnownShapes) {
                      {0, 1, 0}}});
 }
 
-TEST(ConvexParts, AreSoundForRandomShapes) {
+TEST(ConvexParts, AreValidForRandomShapes) {
   std::mt19937 random(1);
   for (int round = 0; round < 500; ++round) {
     expectSoundParts(randomStar(random, 4 + static_cast<int>(random() % 40)));

@@ -41,7 +41,7 @@ TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
   for (const model::Tile& tile : split.tiles) EXPECT_GT(model::tileNormal(tile).z(), 0.99);
 }
 
-TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
+TEST(SplitTiles, CornersOfTheHullAndOfRepairsDoNotMove) {
   model::Model whole = generate::makeTessellation({});
   whole.hull.emplace();
   for (int tile = 0; tile < 4; ++tile) {

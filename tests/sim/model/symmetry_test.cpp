@@ -72,7 +72,7 @@ TEST(Symmetry, WithADisplacedTileOnlyTheIdentityRemains) {
   EXPECT_EQ(model::symmetriesOf(unlike).size(), 1u);
 }
 
-TEST(Symmetry, MeansHaveAllSymmetriesAndStayWhatTheyAre) {
+TEST(Symmetry, MeansHaveAllSymmetriesAndDoNotChange) {
   const model::Model model = sheet(4, 4);
   const std::vector<model::Symmetry> group = model::symmetriesOf(model);
   const Poses random = randomPoses(model.tiles.size(), 3);

@@ -125,7 +125,7 @@ TEST(Closing, RefusesSheetsWithoutOneMotion) {
   EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: `to = closed`"));
 }
 
-TEST(Closing, RefusesWhatItDoesNotFollow) {
+TEST(Closing, RefusesUnsupportedScenes) {
   scene::Scene falling = closing(generate::makeTessellation({}));
   falling.environment.gravity = {0, 0, -9.81};
   EXPECT_THAT(

@@ -219,7 +219,7 @@ TEST(Continuation, IsTheSameInMillimetresAndKilometres) {
   }
 }
 
-TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
+TEST(Continuation, OnlySamplesDependOnTheirRate) {
   const scene::Scene scene = squares();
   const run::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
   const run::DeploymentResult seldom = deploy::deploy(scene, 1, nullptr);
@@ -285,7 +285,7 @@ run::DeploymentResult driven(scene::Scene scene) {
 }
 
 /// The second method is the integrator: it drives tiles apart with damping, to the same end.
-TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
+TEST(Continuation, FullExtensionIsTheRestOfDrivenTiles) {
   for (const char* family : {"stampfli-chain", "stampfli-removal", "stampfli-expansion",
                              "penrose-chain", "penrose-removal", "penrose-expansion",
                              "ammann-beenker-expansion", "tessellation", "hexagons", "triangles"}) {
@@ -322,7 +322,7 @@ TEST(Continuation, FullExtensionOfARotatedSheetIsRotated) {
 }
 
 /// The tiles of this chain still move slowly after 200 s, at constant extent.
-TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
+TEST(Continuation, FullExtensionOfAChainIsThatOfDrivenTiles) {
   const scene::Scene scene = extendingScene("ammann-beenker-chain");
   const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(run.outcome, run::Outcome::Settled);
@@ -333,7 +333,7 @@ TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
 
 /// The symmetric start of this sheet is a saddle of its extent, where driven tiles do not move.
 /// From a state on the path they come to rest at its end.
-TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
+TEST(Continuation, FullExtensionBeyondASaddleIsTheRestOfDrivenTiles) {
   const scene::Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 37}});
   const std::vector<trajectory::Sample> samples =
       deploy::deploy(scene, 1, nullptr).trajectory.samples;
@@ -352,7 +352,7 @@ TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
   EXPECT_NEAR(extentOf(samples.back()), extent, 1e-6 * extent);  // measured: 8e-13
 }
 
-TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
+TEST(Continuation, OverlapsAreAlwaysReported) {
   scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   const bool isCollisionFree =
@@ -378,7 +378,7 @@ model::Model foldedIntoEachOther() {
   return model;
 }
 
-TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
+TEST(Continuation, OverlapsOfJoinedBricksAreAllowedIfTheseCannotTouch) {
   scene::Scene scene = sceneOf(foldedIntoEachOther());
   scene.environment.contacts = scene::ContactFilter::Unjoined;
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
@@ -408,7 +408,7 @@ TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
   }
 }
 
-TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
+TEST(Continuation, TheStartIsNearestIfNoStateIsNearer) {
   scene::Scene scene = squares();
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex = 100 * vertex;
@@ -531,7 +531,7 @@ TEST(Continuation, ReportsThatFlushTilesHoldEachOther) {
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
-TEST(Continuation, ReportsThatBricksHaveNoRoomAtFullExtension) {
+TEST(Continuation, ReportsOverlapsAtFullExtension) {
   const scene::Scene scene =
       sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 78}}));
   const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
@@ -668,7 +668,7 @@ TEST(Continuation, DrawnMembersOfTheFamiliesArriveByDefault) {
   }
 }
 
-TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
+TEST(Continuation, UsesDynamicsIfASettingNeedsThem) {
   scene::Scene scene = squares();
   std::string reason;
   EXPECT_TRUE(scene::isQuasiStatic(scene, reason)) << reason;

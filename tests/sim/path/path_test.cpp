@@ -51,7 +51,7 @@ scene::Scene pulledApart(double distance) {
   return scene;
 }
 
-TEST(AssembledError, IsZeroWhereTheTargetCloses) {
+TEST(AssembledError, IsZeroIfTheTargetCloses) {
   EXPECT_LT(run::assembleAtTarget(closedToClosed()).error, 1e-12);  // measured 3e-15
 }
 
@@ -94,7 +94,7 @@ TEST(AssembledError, IsNegativeWithoutTarget) {
   EXPECT_LT(run::assembleAtTarget(scene).error, 0);
 }
 
-TEST(Path, AStraightPullIsKeptWhereItArrives) {
+TEST(Path, AStraightPullIsKeptIfItArrives) {
   scene::Scene scene;
   scene.model = generate::makeTessellation({});
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -127,7 +127,7 @@ run::TrialObserver noteOnce(std::vector<std::string>& tried) {
   };
 }
 
-TEST(Path, ALockedModelIsLedWithExactJoints) {
+TEST(Path, ALockedModelIsGuidedWithExactJoints) {
   scene::Scene straight = closedToClosed();
   straight.path.kind = scene::PathKind::Straight;
   const run::DeploymentResult locked = deploy::deploy(straight, 1.0 / 60, nullptr);
@@ -146,7 +146,7 @@ TEST(Path, ALockedModelIsLedWithExactJoints) {
   EXPECT_EQ(guided.accuracy.jointOpeningMax, 0);
 }
 
-TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
+TEST(Path, ATrialThatArrivesArrivesInTheRun) {
   // The steps decide in which local minimum a straight pull ends.
   scene::Scene scene;
   scene.model = generate::makeSphereToSaddle({.columns = 6, .rows = 6});
@@ -156,7 +156,7 @@ TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 4.4e-9
 }
 
-TEST(Path, JointsThatGiveCloseAgain) {
+TEST(Path, CompliantJointsCloseAgain) {
   scene::Scene scene = closedToClosed();
   scene.path.kind = scene::PathKind::Guided;
   double before = 1;
@@ -215,7 +215,7 @@ scene::Scene flatToCap() {
   return scene;
 }
 
-TEST(Path, PathsAreTriedAmongBricksThatMeet) {
+TEST(Path, PathsAreTriedWithContactsIfBricksOverlap) {
   std::vector<std::string> tried;
   const scene::Scene scene = flatToCap();
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr, noteOnce(tried));
@@ -228,7 +228,7 @@ TEST(Path, PathsAreTriedAmongBricksThatMeet) {
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * model::tileSize(scene.model));
 }
 
-TEST(Path, OpeningFirstMakesRoomForBricksThatLieFlush) {
+TEST(Path, OpeningFirstSeparatesFlushBricks) {
   scene::Scene scene = flatToCap();
   scene.path = {.kind = scene::PathKind::Guided, .openTime = 1, .guideTime = 2};
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -237,7 +237,7 @@ TEST(Path, OpeningFirstMakesRoomForBricksThatLieFlush) {
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * model::tileSize(scene.model));
 }
 
-TEST(Path, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
+TEST(Path, OverlapsOfJoinedBricksAreAllowedIfTheseCannotTouch) {
   scene::Scene scene = flatToCap();
   scene.environment.contacts = scene::ContactFilter::Unjoined;
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -348,7 +348,7 @@ scene::Scene joinedThroughEachOther() {
   return scene;
 }
 
-TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
+TEST(Path, BlockedBricksKeepCompliantJointsOpen) {
   scene::Scene scene = joinedThroughEachOther();
   // On the straight path they finally pass each other.
   for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.y() += 0.05;
@@ -362,7 +362,7 @@ TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
   EXPECT_GT(result.accuracy.jointGapEnd, 1e-10);
 }
 
-TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
+TEST(Path, OverlapsByClosingTheStartCount) {
   scene::Scene scene = joinedThroughEachOther();
   scene.path.kind = scene::PathKind::Straight;
   scene.environment.contacts = scene::ContactFilter::All;
@@ -372,7 +372,7 @@ TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
   EXPECT_GT(closed.accuracy.penetrationGrownMax, 0.01);  // measured 0.02
 }
 
-TEST(Path, ClosingTheStartAsGeometryReportsWhatItPushesIntoEachOther) {
+TEST(Path, ClosingTheStartReportsOverlaps) {
   scene::Scene scene = joinedThroughEachOther();
   scene.path.kind = scene::PathKind::Continuation;
   scene.environment.contacts = scene::ContactFilter::Auto;
@@ -385,7 +385,7 @@ TEST(Path, ClosingTheStartAsGeometryReportsWhatItPushesIntoEachOther) {
               Not(Contains(StartsWith("closing"))));
 }
 
-TEST(Path, JointsThatGiveAreNotClosedFirst) {
+TEST(Path, CompliantJointsAreNotClosedFirst) {
   scene::Scene scene = joinedThroughEachOther();
   scene.path = {.kind = scene::PathKind::Guided, .jointRatio = 1e2};
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
@@ -402,7 +402,7 @@ void disturb(std::vector<model::Tile>& tiles, double size,
   }
 }
 
-TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
+TEST(Path, JointsAreCompliantIfTilesFitInNoOpenState) {
   scene::Scene scene;
   scene.model = generate::makeTessellation({});
   scene.model.target.reset();
@@ -420,7 +420,7 @@ TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
   EXPECT_LT(10 * result.cost.took.halved, result.cost.took.steps);
 }
 
-TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
+TEST(Path, TilesWithASmallMisfitStillDeploy) {
   for (const double size : {1e-7, 1e-5, 1e-3}) {
     scene::Scene scene;
     scene.model = generate::makeTessellation({});
@@ -440,7 +440,7 @@ TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
   }
 }
 
-TEST(Path, AsksNobodyWhereThereIsNoChoice) {
+TEST(Path, TriesNothingWithoutAlternatives) {
   const run::TrialObserver unasked = [](const run::SearchNews& news) {
     ADD_FAILURE() << news.what;
     return true;
@@ -465,7 +465,7 @@ TEST(Path, ASearchThatIsEndedEndsTheRun) {
   EXPECT_THAT(result.trajectory.samples, SizeIs(1));
 }
 
-TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
+TEST(Path, ATrialThatTheBudgetEndsHasNotFailed) {
   scene::Scene scene = closedToClosed();
   std::vector<run::TrialEnd> trials;
   run::SearchBudget budget(8e6);

@@ -43,7 +43,7 @@ scene::Scene mirroredSheet() {
   return scene;
 }
 
-TEST(TargetWarnings, NoneWhereTheTargetFits) {
+TEST(TargetWarnings, NoneIfTheTargetFits) {
   EXPECT_THAT(path::targetWarnings(sheet()), IsEmpty());
   EXPECT_EQ(path::reachWarning(sheet(), run::assembleAtTarget(sheet())), "");
 }
@@ -70,7 +70,7 @@ TEST(TargetWarnings, ATurnedOverSheetArrivesThroughSpace) {
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 1.9e-9
 }
 
-TEST(TargetWarnings, TilesOfOtherShapesAreOutOfReach) {
+TEST(TargetWarnings, TilesOfOtherShapesAreUnreachable) {
   scene::Scene scene = sheet();
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.5;

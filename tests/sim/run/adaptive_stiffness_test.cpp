@@ -66,7 +66,7 @@ TEST(AdaptiveStiffness, DoublesAtAMomentThatStepsDoNotMove) {
   EXPECT_NEAR(momentOfDoubling(1.0 / 60), last + 0.25, 1e-4);  // measured 5.5e-5
 }
 
-TEST(AdaptiveStiffness, TimeThatIsNotToldDoesNotCount) {
+TEST(AdaptiveStiffness, TimeThatIsNotReportedDoesNotCount) {
   run::AdaptiveStiffness stiffness(true);
   stiffness.observe(1, 0.1, 0.1);
   stiffness.observe(1, 0.2, 0.1);
@@ -82,7 +82,7 @@ TEST(AdaptiveStiffness, HalfAPercentIsAnImprovement) {
   EXPECT_EQ(stiffness.factor(), 1);
 }
 
-TEST(AdaptiveStiffness, LessIsNone) {
+TEST(AdaptiveStiffness, SmallerChangesAreNoImprovement) {
   run::AdaptiveStiffness stiffness(true);
   Observer observer(stiffness);
   for (int i = 0; i < 200; ++i) observer.observe(1 - 1e-5 * i);

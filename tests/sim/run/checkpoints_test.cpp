@@ -123,7 +123,7 @@ run::DeploymentResult deployWhole(const scene::Scene& scene) {
   return deploy::deploy(scene, kInterval, nullptr);
 }
 
-TEST(Checkpoints, GoOnWhereBricksTouch) {
+TEST(Checkpoints, ContinueWithTouchingBricks) {
   // A sheet on the ground, under gravity, that is pulled together until its bricks touch.
   scene::Scene scene = sheetScene(3, 0.5, 0);
   for (model::Tile& tile : *scene.model.target) {
@@ -150,7 +150,7 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
 }
 
 // Contact finders before their first call, and pins that a timeline sets.
-TEST(Checkpoints, GoOnWhereBricksPassThroughEachOther) {
+TEST(Checkpoints, ContinueWithOverlappingBricks) {
   scene::Scene scene = sheetScene(3, 0.5, 0.2);
   scene.environment.contacts = scene::ContactFilter::None;
   scene.environment.gravity = Vector3(0, 0, -9.81);
@@ -167,7 +167,7 @@ TEST(Checkpoints, GoOnWhereBricksPassThroughEachOther) {
   }
 }
 
-TEST(Checkpoints, GoOnAmongObstacles) {
+TEST(Checkpoints, ContinueAmongObstacles) {
   // A sheet that falls on a sphere and a box, over which it folds and slides.
   scene::Scene scene = sheetScene(4, 0.4, 0.8);
   scene.model.target.reset();
@@ -203,7 +203,7 @@ std::vector<model::Tile> twins(const std::vector<model::Tile>& sheet, double apa
   return tiles;
 }
 
-TEST(Checkpoints, KnowWhichBricksHaveTouched) {
+TEST(Checkpoints, StoreWhichBricksHaveTouched) {
   // Two sheets that touch and separate. After that, the elimination is in the order of bricks that
   // have touched.
   scene::Scene scene = sheetScene(3, 0.5, 0.5);
@@ -225,7 +225,7 @@ TEST(Checkpoints, KnowWhichBricksHaveTouched) {
   expectResumedAt({35}, scene, undisturbed);
 }
 
-TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
+TEST(Checkpoints, StoreHowFarBricksMayOverlap) {
   // Two bricks that overlap by 0.1 separate and approach each other again. Now contacts must stop
   // them.
   scene::Scene scene;
@@ -245,7 +245,7 @@ TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
   expectResumedAt({10, 30}, scene, undisturbed);
 }
 
-TEST(Checkpoints, GoOnAlongATimeline) {
+TEST(Checkpoints, ContinueATimeline) {
   scene::Scene scene = sheetScene(3, 0.3, 1.5);
   const scene::Scene half = sheetScene(3, 0.8, 1.5);
   scene.timeline = {{{}, Pin{{0}}},
@@ -264,7 +264,7 @@ TEST(Checkpoints, GoOnAlongATimeline) {
   expectResumedAt({2, 11, 14, 22, 35}, scene, undisturbed);
 }
 
-TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
+TEST(Checkpoints, ContinueGuidesWithCompliantJoints) {
   scene::Scene scene = sheetScene(3, 0.1, 1.5);
   scene.path = {scene::PathKind::Guided, 0, 0.5, 200, 1e5};
   const run::DeploymentResult undisturbed = deployWhole(scene);
@@ -274,7 +274,7 @@ TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
   expectResumedAt({4, 9, 22, 33}, scene, undisturbed);
 }
 
-TEST(Checkpoints, GoOnWhereTheWayIsOpenedFirst) {
+TEST(Checkpoints, ContinueGuidesThatOpenFirst) {
   scene::Scene scene = sheetScene(3, 0.1, 1.5);
   scene.path = {.kind = scene::PathKind::Guided, .openTime = 0.5, .guideTime = 0.5};
   const run::DeploymentResult undisturbed = deployWhole(scene);
@@ -283,7 +283,7 @@ TEST(Checkpoints, GoOnWhereTheWayIsOpenedFirst) {
   expectResumedAt({4, 14}, scene, undisturbed);
 }
 
-TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
+TEST(Checkpoints, ContinueGuidesFromAWaypoint) {
   scene::Scene scene = sheetScene(3, 0.1, 1.5);
   const scene::Scene half = sheetScene(3, 0.8, 1.5);
   scene.path = {scene::PathKind::Guided, 0, 0.5, 200, 1e5};
@@ -328,7 +328,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   EXPECT_THAT(found, HasSubstr("the search"));
 }
 
-TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
+TEST(Checkpoints, StayIfARunEndsBeforeTheirTime) {
   const scene::Scene scene = sheetScene(3, 0.3, 1.5);
   const run::DeploymentResult undisturbed = deployWhole(scene);
   const test::TemporaryFolder scratch;

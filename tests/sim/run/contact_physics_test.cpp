@@ -116,7 +116,7 @@ TEST(Slope, FrictionKeepsItsBoundWhenTheStepChanges) {
   }
 }
 
-TEST(Slope, TipsABlockThatStandsTooSteep) {
+TEST(Slope, TipsABlockOnASteepSlope) {
   // Twice as high as wide: it tips over its edge beyond atan(1/2), for any friction.
   for (const double angle : {0.44, 0.49}) {
     scene::Scene scene = blockOnSlope(angle, 5);
@@ -141,7 +141,7 @@ scene::Scene headOn(double widthA, double widthB) {
   return scene;
 }
 
-TEST(HeadOn, BricksGoOnTogetherWithTheirMomentum) {
+TEST(HeadOn, BricksContinueTogetherWithTheirMomentum) {
   for (const bool planar : {true, false}) {
     for (const double speed : {0.1, 2.0, 40.0}) {
       SCOPED_TRACE(speed);
@@ -180,7 +180,7 @@ TEST(HeadOn, FrictionlessBricksKeepTheirSpeedAlongTheSide) {
   EXPECT_EQ(pair.unconverged, 0);
 }
 
-TEST(HeadOn, ACornerOnASideTurnsBothBricksAsTheImpulseSays) {
+TEST(HeadOn, ACornerOnASideTurnsBothBricksByTheImpulse) {
   scene::Scene scene = headOn(1, 1);
   scene.solver.planar = true;
   Moving pair(scene);
@@ -370,7 +370,7 @@ void expectHeld(const Squeeze& result) {
   EXPECT_LT(result.speed, 1e-3);  // measured 5e-14
 }
 
-TEST(UnreachableTarget, ContactsHoldSquaresThatShouldTurnThroughEachOther) {
+TEST(UnreachableTarget, ContactsStopSquaresThatWouldTurnThroughEachOther) {
   generate::TessellationShape shape;
   for (const bool planar : {true, false}) {
     for (const double start : {0.0, 0.5}) {
@@ -385,7 +385,7 @@ TEST(UnreachableTarget, ContactsHoldSquaresThatShouldTurnThroughEachOther) {
   }
 }
 
-TEST(UnreachableTarget, ContactsHoldTilesThatShouldSqueezeTogether) {
+TEST(UnreachableTarget, ContactsStopTilesThatWouldOverlap) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data/tessellation_4x4";
   for (const bool planar : {true, false}) {
@@ -434,7 +434,7 @@ TEST(PlanarGround, BrakesASlidingSheet) {
   EXPECT_EQ(sheet.unconverged, 0);
 }
 
-TEST(PlanarGround, HoldsASheetBelowTheBoundAndLetsItGoAbove) {
+TEST(PlanarGround, HoldsASheetBelowTheBoundOnly) {
   const double friction = 0.4;
   for (const double part : {0.5, 0.99, 1.1, 2.0}) {
     SCOPED_TRACE(part);

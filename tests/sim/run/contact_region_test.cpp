@@ -139,7 +139,7 @@ TEST(BrickOnBrick, TipsTheSameInFixedStepsInAnyDirectionOrderAndUnit) {
 
 // Bricks with the overhangs of a harmonic stack, 1/2, 1/4, 1/6 of their length, stay at rest. If
 // the topmost is a little farther out, only this one falls.
-TEST(Stack, StandsUpToItsHarmonicOverhangs) {
+TEST(Stack, RestsUpToItsHarmonicOverhangs) {
   for (const double more : {-0.01, 0.01}) {
     const double t = 0.2;
     const double third = 1.0 / 6 - 0.01, second = 0.25 - 0.01, first = 0.5 + more;
@@ -174,7 +174,7 @@ double meanArm(double length, double width) {
 
 // Under an even pressure a plate that spins with w comes to rest after w^2 I / (2 mu m g r), r the
 // mean distance of its points.
-TEST(SpinningPlate, IsBrakedAsByAnEvenPressure) {
+TEST(SpinningPlate, IsBrakedByAnEvenPressure) {
   for (const double width : {1.0, 0.4}) {
     for (const bool isOnBrick : {false, true}) {
       std::vector<model::Tile> tiles = {rectangle({-2, -2, 0}, 4, 4),

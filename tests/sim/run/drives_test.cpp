@@ -39,7 +39,7 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
   EXPECT_LT(sum.norm(), 1e-12);  // it moves no centre: measured 1e-14
 }
 
-TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
+TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeEqually) {
   // A brick far from the centre of a triangle and two squares.
   std::vector<model::Tile> tiles = generate::makeTessellation({2, 1}).tiles;
   tiles.push_back({{{5, 0, 0}, {7, 0, 0}, {5, 2, 0}}});
@@ -126,7 +126,7 @@ TEST(BoundarySprings, PullHullCornersToTheCurve) {
   EXPECT_NEAR(corner.force[0], corner.force[1], 1e-9);
 }
 
-TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
+TEST(BoundarySprings, FollowTheModelsHullIfItHasOne) {
   model::Model sheet = generate::makeTessellation({});
   sheet.hull = std::vector<model::Corner>{{0, 0}, {3, 1}, {15, 2}};
   const std::vector<brick::Brick> bricks = brick::makeBricks(sheet.tiles, {});
@@ -140,7 +140,7 @@ TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
 
 /// The selection between two equal sheets depends neither on the order of tiles nor on that of
 /// their corners.
-TEST(BoundarySprings, PullCornersAboveEachOtherAlike) {
+TEST(BoundarySprings, PullCornersAboveEachOtherEqually) {
   model::Model sheets = generate::makeTessellation({});
   const std::size_t count = sheets.tiles.size();
   for (std::size_t i = 0; i < count; ++i) {

@@ -30,7 +30,7 @@ TEST(EnvironmentLoad, GravityPullsByMass) {
   EXPECT_EQ(load.stiffness, Matrix6::Zero());
 }
 
-TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
+TEST(EnvironmentLoad, DampingLosesItsFractionPerSecond) {
   // M u' = -D u has the solution exp(-M^-1 D t) u, which must be (1 - damping)^t u.
   scene::Environment environment;
   environment.linearDamping = 0.3;
@@ -48,7 +48,7 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
   EXPECT_LT((rate - Matrix6(expected.asDiagonal())).norm(), 1e-13);  // measured 1e-15
 }
 
-TEST(EnvironmentLoad, NoneAsksForNothing) {
+TEST(EnvironmentLoad, NoEnvironmentHasNoLoad) {
   scene::Environment environment;
   environment.linearDamping = environment.angularDamping = 0;
   const brick::Load load = added(environment, flatBrick(), {});

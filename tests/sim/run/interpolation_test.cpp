@@ -109,7 +109,7 @@ TEST(StateInterpolator, LeavesOpenJointsAsOpenAsTheSamplesAre) {
   EXPECT_NEAR(interpolator.between(from, to, 0.5).jointGap, 1e-3, 1e-12);
 }
 
-TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
+TEST(StateInterpolator, KeepsThePositionsOfPinnedTiles) {
   const ExactSheet sheet;
   trajectory::Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
   const Pose held = from.poses[5];
@@ -147,7 +147,7 @@ TEST(StateInterpolator, MomentsBetweenAreNearlyClosed) {
 }
 
 // Between two branches of the mechanism there is no closed state near the linear interpolation.
-TEST(StateInterpolator, TakesTheNearerSampleWhereNoClosedStateLiesBetween) {
+TEST(StateInterpolator, TakesTheNearerSampleIfNoClosedStateIsBetween) {
   const ExactSheet sheet;
   const trajectory::Sample from = sheet.sample(1.2), to = sheet.sample(-1.2);
   run::StateInterpolator interpolator(sheet.subject());

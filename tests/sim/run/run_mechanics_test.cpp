@@ -116,7 +116,7 @@ TEST(Energies, OfAFallAreThoseOfGravity) {
   }
 }
 
-TEST(Energies, GoInAnImpact) {
+TEST(Energies, AreLostInAnImpact) {
   scene::Scene scene = fallingBricks(0.5);
   const trajectory::Energies end = samplesOf(scene).back().mechanics->energies;
   // The bottom falls by half a metre, and all of that energy is lost.
@@ -143,7 +143,7 @@ scene::Scene movingSquares() {
 
 // One square stops. The other keeps its spin about the corner: with I = 2/3 m, L = -m/4, this is
 // 3/80 of the energy before.
-TEST(Energies, GoAtAPinAsInAnImpact) {
+TEST(Energies, AreLostAtAPinAsInAnImpact) {
   scene::Scene scene = movingSquares();
   scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.1}, Pin{{0}}, {}}};
   for (const double tolerance : {0.0, 1e-6}) {
@@ -160,7 +160,7 @@ TEST(Energies, GoAtAPinAsInAnImpact) {
 }
 
 // A tile at rest, or pinned again, loses nothing.
-TEST(Energies, DoNotGoAtAPinOfATileAtRest) {
+TEST(Energies, AreKeptAtAPinOfATileAtRest) {
   scene::Scene scene = movingSquares();
   scene.velocities.clear();
   scene.solver.tolerance = 1e-6;

@@ -90,7 +90,7 @@ TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
   EXPECT_TRUE(target.hasArrived(start));
 }
 
-TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
+TEST(CurrentTarget, AFarErrorIsNoArrivalForAnyReason) {
   const scene::Scene scene = ledSheet();
   const run::SceneBricks bricks(scene);
   const Poses start = brick::startPoses(scene.model.tiles, bricks.bricks);
@@ -125,7 +125,7 @@ std::vector<std::pair<run::Phase, double>> phasesOf(const scene::Scene& scene) {
   return phases;
 }
 
-TEST(RunDrive, APathThatIsLedGoesThroughItsPhases) {
+TEST(RunDrive, AGuidedPathHasItsPhases) {
   scene::Scene scene = ledSheet();
   scene.path.openTime = 0.31;
   scene.path.jointRatio = 1e3;
@@ -159,7 +159,7 @@ TEST(RunDrive, AStraightPullSettlesFromTheStart) {
 
 // The sample at the end of opening has the state after the expansion, before springs pull to the
 // target.
-TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
+TEST(RunDrive, SpringsHaveNoEnergyWhileASheetOpens) {
   scene::Scene scene = ledSheet();
   scene.environment.contacts = scene::ContactFilter::None;
   scene.path.openTime = 0.25;

@@ -139,7 +139,7 @@ struct Momenta {
   double angularSize = 0;
 };
 
-TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
+TEST(Conservation, OfMomentaOfReleasedSheets) {
   for (const model::Model& model : sheetAndCap()) {
     scene::Scene scene = undamped(model);
     model::alignStartToTarget(scene.model);
@@ -165,7 +165,7 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
 }
 
 /// Flush bricks that are folded: they jam, and the impulses of their contacts do not converge.
-TEST(Stability, OfBricksThatWedge) {
+TEST(Stability, OfBricksThatJam) {
   scene::Scene cap;
   cap.model = generate::makeSphericalCap({.size = 4});
   scene::Scene band;
@@ -200,7 +200,7 @@ TEST_P(StabilityOfModel, HoldsWithoutContacts) {
 
 /// A straight pull on flush bricks: closing the joints of jammed bricks needs work, which the step
 /// must have.
-TEST(StabilityOfPartialSphere, HoldsWhereBricksWedge) {
+TEST(StabilityOfPartialSphere, HoldsIfBricksJam) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models/partialSphere";
   if (!exists(folder)) GTEST_SKIP() << folder << " is not here";

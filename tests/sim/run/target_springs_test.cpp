@@ -81,7 +81,7 @@ TEST(TargetSprings, StiffnessIsNeverIndefinite) {
   }
 }
 
-TEST(TargetSprings, PullsNothingAtTheTarget) {
+TEST(TargetSprings, DoNotPullAtTheTarget) {
   const std::vector<brick::Brick> bricks{brick::makeBrick(SpringScene::tile(), {})};
   const std::vector<model::Tile> target{SpringScene::tile()};
   const run::TargetSprings springs(bricks, target, {}, {});

@@ -93,7 +93,7 @@ TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
   EXPECT_NEAR(result.trajectory.events[1].time, 1, 1e-9);
 }
 
-TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
+TEST(Timelines, APauseHoldsTheSheetAndThenContinues) {
   scene::Scene scene = sheetScene();
   scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.5}, Pause{0.5}}};
   scene.stop.duration = 2;
@@ -107,7 +107,7 @@ TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
   EXPECT_EQ(largestMove(a[25].poses, b[15].poses), 0);
 }
 
-TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
+TEST(Timelines, WaypointsEndAtTheEndOfTheDirectPath) {
   scene::Scene scene = sheetScene(0.05);
   const run::DeploymentResult direct = deploy::deploy(scene, 1.0 / 60, nullptr);
   const scene::Scene half = sheetScene(0.8);
@@ -165,7 +165,7 @@ TEST(Timelines, ResetGoesBackToTheStart) {
   EXPECT_TRUE(samples[15].pinned.empty());
 }
 
-TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
+TEST(Timelines, EntriesActAtTheirOwnTimeForAnySteps) {
   scene::Scene scene = sheetScene();
   scene.solver.tolerance = 1e-6;
   scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.21}, Forces{false}},
@@ -215,7 +215,7 @@ TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
   EXPECT_NEAR(result.trajectory.events.front().time, 0.495, 1e-12);
 }
 
-TEST(Timelines, WaitingInVainEndsTheRun) {
+TEST(Timelines, AConditionThatIsNeverMetEndsTheRun) {
   scene::Scene scene = sheetScene();
   scene.timeline = {{{scene::Trigger::Kind::ErrorBelow, 0}, Quit{}}};
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);

@@ -50,11 +50,11 @@ class HingeSpringsOfAScene : public testing::Test {
   scene::Scene scene_;
 };
 
-TEST_F(HingeSpringsOfAScene, AreNoneUnlessAskedFor) {
+TEST_F(HingeSpringsOfAScene, AreAbsentByDefault) {
   EXPECT_TRUE(springs().empty());
 }
 
-TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
+TEST_F(HingeSpringsOfAScene, RestAtTheStartByDefault) {
   scene_.hinges.stiffness = 2;
   scene_.hinges.damping = 0.5;
   for (const brick::HingeSpring& spring : springs()) {
@@ -123,7 +123,7 @@ TEST_F(HingeSpringsOfAScene, MayBeAtOnlySomeHinges) {
   EXPECT_NEAR(found[0].rest, 30 * kDegree, 1e-12);
 }
 
-TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
+TEST_F(HingeSpringsOfAScene, AreRefusedIfBricksWouldOverlap) {
   scene_.hinges.stiffness = 1;
   scene_.hinges.rest = -1 * kDegree;
   EXPECT_EQ(refusal(),
@@ -137,7 +137,7 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
                        "overlap. Use [0, 180] degrees"));
 }
 
-TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
+TEST_F(HingeSpringsOfAScene, AreRefusedWithoutAxes) {
   use(model::JointFace::Bottom);
   scene_.hinges.stiffness = 1;
   EXPECT_EQ(springs().size(), 4u);  // in the plane
@@ -175,7 +175,7 @@ brick::HingeSpring springOf(const scene::Scene& scene) {
 
 // They rest at the hinge's angle at the target. The same angle folds the sheet there, for either
 // orientation of the faces in the file.
-TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
+TEST(FoldSprings, RestAtTheFoldAnglesOfTheirFile) {
   const test::TemporaryFolder folder;
   for (const char* faces : {"[[0,1,4,5],[1,2,3,4]]", "[[0,1,4,5],[4,3,2,1]]",
                             "[[5,4,1,0],[4,3,2,1]]", "[[1,2,3,4],[0,1,4,5]]"}) {
@@ -195,7 +195,7 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
 }
 
 // Each triangle has a hinge to its other half, at rest flat, and one of them to the other square.
-TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
+TEST(FoldSprings, StayAtTheirEdgeOfSplitTiles) {
   const test::TemporaryFolder folder;
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
   scene.model = model::splitTiles(scene.model, {});
@@ -340,7 +340,7 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
   EXPECT_THAT(refusal(scene), HasSubstr("renumbers"));
 }
 
-TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
+TEST_F(HingeSpringsOfAScene, RefuseInvalidLines) {
   const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
   EXPECT_THAT(said("0 1 -2"),
               EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness in [0, 1e12] N m/rad, or - "

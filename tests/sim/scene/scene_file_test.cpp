@@ -32,7 +32,7 @@ class SceneFileTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(SceneFileTest, HandsSettingsOverAsText) {
+TEST_F(SceneFileTest, ReturnsSettingsAsText) {
   const scene::SceneFile file = read(
       "[environment]\ngravity = [0, 0, -9.81]\nground = true\nbrick_friction = 0.30\n"
       "[model]\nlink = [[0, 1, 2, 3], [1, 1, 2, 2]]\n[camera]\nview = \"top\"\n");
@@ -112,7 +112,7 @@ quit = true
   EXPECT_EQ(scene::actionName(timeline[10].action), "quit");
 }
 
-TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
+TEST_F(SceneFileTest, RefusesDeepOrLongFiles) {
   std::string parts = "a";
   for (int k = 0; k < 100000; ++k) parts += ".a";
   EXPECT_EQ(refusal("[model]\n" + parts + " = 1\n"),
@@ -160,7 +160,7 @@ TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
               HasSubstr("unknown key of a drag second, did you mean seconds?"));
 }
 
-TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
+TEST_F(SceneFileTest, RefusesInvalidTimelines) {
   const auto entry = [&](const std::string& text) { return refusal("[[timeline]]\n" + text); };
   const std::string no = " is not allowed; give ";
   EXPECT_EQ(entry("at = -1\nquit = true\n"),
@@ -183,7 +183,7 @@ TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"), HasSubstr("has 2 times and 1 actions"));
 }
 
-TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
+TEST_F(SceneFileTest, RefusesInvalidToml) {
   EXPECT_THAT(refusal("[model\nthickness = 1\n"),
               HasSubstr("scene.toml:1:7: error: this is not TOML"));
   EXPECT_THAT(refusal("thickness = 1\n"),
@@ -236,7 +236,7 @@ TEST_F(SceneFileTest, MeshesOfObstaclesHaveTheirOwnUnitOrThatOfTheModel) {
   }
 }
 
-TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
+TEST_F(SceneFileTest, RefusesInvalidObstacles) {
   EXPECT_EQ(refusal("[[obstacle]]\nshape = \"cone\"\n"),
             "scene.toml:2:9: error: an obstacle needs shape = \"box\", \"sphere\" or \"mesh\"");
   EXPECT_EQ(
@@ -263,7 +263,7 @@ TEST_F(SceneFileTest, ReadsSpeedsOfTheStart) {
   EXPECT_EQ(file.velocities[1].angular, Vector3(0, 0, 1));
 }
 
-TEST_F(SceneFileTest, RefusesSpeedsThatAreNone) {
+TEST_F(SceneFileTest, RefusesInvalidSpeeds) {
   EXPECT_THAT(
       refusal("[[velocity]]\ntiles = [0]\n"),
       HasSubstr("needs linear = [x, y, z] in lengths per second, angular in rad/s, or both"));

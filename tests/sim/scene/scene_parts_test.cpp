@@ -35,7 +35,7 @@ class ScenePartsTest : public testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
+TEST_F(ScenePartsTest, ATargetReplacesTheModels) {
   generate::TessellationShape shape;
   shape.startAngle = 0.4;
   const model::Model open = generate::makeTessellation(shape);
@@ -83,7 +83,7 @@ double targetDistance(const model::Model& model, int tile) {
   return largest;
 }
 
-TEST_F(ScenePartsTest, ATargetIsMovedOntoTheStartByWhatIsPinned) {
+TEST_F(ScenePartsTest, ATargetIsMovedOntoTheStartByPinnedTiles) {
   const std::vector<model::Tile> before = scene_.model.tiles;
   scene::SceneParts parts;
   parts.pinned = {0};
@@ -94,7 +94,7 @@ TEST_F(ScenePartsTest, ATargetIsMovedOntoTheStartByWhatIsPinned) {
   EXPECT_NEAR(scene_.alignment.turned, 3.14159265358979323846 / 4, 1e-12);
 }
 
-TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
+TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyIfTheyComeFirst) {
   scene::Scene later = scene_;
   scene_.timeline = {{{}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
   scene::completeScene({}, scene_, warnings_);
@@ -107,7 +107,7 @@ TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
 
 // A tile that is released later can still reach its target. It does not define the position of the
 // sheet.
-TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
+TEST_F(ScenePartsTest, TilesThatAreReleasedLaterDoNotAlign) {
   scene::Scene freed = scene_;
   freed.timeline = {
       {scene::Trigger{}, scene::timeline::Pin{{0}}, {"scene.toml", 1}},
@@ -117,7 +117,7 @@ TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
   EXPECT_FALSE(freed.alignment.byHeld);
 }
 
-TEST_F(ScenePartsTest, ATargetStaysInItsPlaceOnRequest) {
+TEST_F(ScenePartsTest, ATargetKeepsItsPositionOnRequest) {
   const std::vector<model::Tile> before = scene_.model.tiles;
   for (model::Tile& tile : *scene_.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() -= 1;
@@ -190,7 +190,7 @@ TEST_F(ScenePartsTest, PyKirigamisRuleMovesTheStart) {
   EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
 }
 
-TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
+TEST_F(ScenePartsTest, NumbersOfMissingTilesAreRefused) {
   parts_.pinned = {16};
   EXPECT_EQ(refusal(), "`pin`: error: the model has tiles 0-15, not 16. Correct this number");
   parts_ = {};

@@ -37,7 +37,7 @@ std::string typed(const std::string& written) {
   return text;
 }
 
-TEST(Settings, HaveKeysOfTheirOwn) {
+TEST(Settings, HaveUniqueKeys) {
   std::set<std::string> keys;
   for (const scene::Setting& setting : allSettings()) {
     EXPECT_TRUE(keys.insert(setting.key).second) << setting.key;
@@ -60,7 +60,7 @@ TEST(Settings, ReadBackWhatTheyWrite) {
   }
 }
 
-TEST(Settings, ChangeNothingButTheirOwn) {
+TEST(Settings, ChangeOnlyTheirOwnField) {
   for (const scene::Setting& changed : allSettings()) {
     scene::Scene scene = scene::openScene();
     changed.read(scene, {changed.key, otherText(changed)});
@@ -85,7 +85,7 @@ TEST(Settings, OfDynamicsAreReportedUnlessDefault) {
   }
 }
 
-TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
+TEST(Settings, OfCodeAreCheckedLikeThoseOfUsers) {
   EXPECT_NO_THROW(scene::requireRanges(scene::Scene{}));
   EXPECT_NO_THROW(scene::requireRanges(scene::openScene()));
   scene::Scene scene;
@@ -99,7 +99,7 @@ TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
   }
 }
 
-TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
+TEST(Settings, HaveConditionsThatSomeSceneMeets) {
   scene::Scene guided;
   guided.path.kind = scene::PathKind::Guided;
   scene::Scene bullet;

@@ -83,7 +83,7 @@ TEST(BarHingeSheets, HaveTheDerivativesOfTheirEnergy) {
   }
 }
 
-TEST(BarHingeSheets, HoldNothingAsTheWholeMoves) {
+TEST(BarHingeSheets, HaveNoEnergyFromRigidMotions) {
   const statics::BarHingeSheet sheet(flap(0.5, 0.7), {});
   mechanics::LoadedSheet::Vector q = sheet.startCoordinates();
   const Quaternion turn(Eigen::AngleAxisd(1.3, Vector3(1, 2, -1).normalized()));
@@ -115,7 +115,7 @@ TEST(BarHingeSheets, FollowAFlapThatIsLifted) {
 
 /// Two bars as a shallow roof of half the span b and the height h, with a force at the top: von
 /// Mises' truss snaps through, F = 2 k y (1 - l0 / l).
-TEST(BarHingeSheets, SnapThroughAsVonMisesTrussDoes) {
+TEST(BarHingeSheets, SnapThroughLikeVonMisesTruss) {
   const double b = 1, h = 0.3, stiffness = 40, rest = std::hypot(b, h);
   statics::BarHingeModel model;
   model.nodes = {Vector3(-b, 0, 0), Vector3(b, 0, 0), Vector3(0, 0, h)};

@@ -83,7 +83,7 @@ TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
   }
 }
 
-TEST(Ligaments, WithoutLengthPartAndSlide) {
+TEST(Ligaments, WithoutLengthOpenAndSlide) {
   const Two two = twoPinned();
   Vector6 u = two.rest();
   u.segment<2>(3) += 0.1 * Vector3(0.6, 0.8, 0).head<2>();
@@ -93,7 +93,7 @@ TEST(Ligaments, WithoutLengthPartAndSlide) {
   EXPECT_NEAR(two.at(u).energy, 0.5 * 0.7 * 0.01, 1e-15);
 }
 
-TEST(Ligaments, HoldNothingAsTheWholeTurns) {
+TEST(Ligaments, HaveNoEnergyFromRigidRotations) {
   const Two two;
   const Vector6 rest = two.rest();
   for (const double turn : {0.5, 3.0, 7.0}) {
@@ -196,7 +196,7 @@ TEST(Ligaments, PutTheMomentsOfABeamOnTheirEnds) {
 }
 
 // The moments of a pin: of the spring, and of its opening.
-TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
+TEST(Ligaments, WithoutLengthAddTheEnergyOfTheirOpening) {
   ClampedBeam pin;
   pin.ligament.start.setZero();
   pin.ligament.opening = {0.9, -0.4};
@@ -206,7 +206,7 @@ TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
   EXPECT_NEAR(onB, -moment, 1e-12);
 }
 
-TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
+TEST(Ligaments, CountInTheEnergyOfARun) {
   const ClampedBeam beam;
   const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
   const brick::Elasticity found =

@@ -245,7 +245,7 @@ double maximum(const Function& f, double low, double high) {
 
 // The rocker's angle rises and falls as the crank turns. Its spring is therefore at rest in two
 // states, with a barrier between them.
-TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
+TEST(LoadPath, FindsBothStatesOfABistableLinkageAndItsSnapThrough) {
   const FourBar bars;
   const double start = 1.6, stiffness = 5;
   const double rest = bars.rocker(start);
@@ -327,7 +327,7 @@ struct TurningTriangle {
 
 // The unit of bistable auxetic sheets of triangles: both states, the force along the whole path
 // between them, and where it snaps, against E = 3 k (l - l0)^2 / 2 with the law of cosines.
-TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
+TEST(LoadPath, FindsBothStatesOfABistableTriangleAndItsSnapThrough) {
   const TurningTriangle unit;
   const double peak = -maximum([&](double angle) { return unit.moment(-angle); }, 0, unit.rest);
   const double snap = unit.moment(peak);
@@ -356,7 +356,7 @@ TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
 // 4 x 4 squares that a force closes and pushes through: with the width 3 (cos(t/2) + sin(t/2)) and
 // 24 springs the pull is 16 k (t - t0) / (cos(t/2) - sin(t/2)). Their constraints are redundant at
 // t = 0, and nearly redundant around it.
-TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
+TEST(LoadPath, LeadsThroughClosedSquares) {
   const double open = kPi / 6, stiffness = 0.02;
   generate::TessellationShape shape;
   shape.startAngle = open;
@@ -402,7 +402,7 @@ TEST(LoadPath, ReportsWhyItDoesNotLeaveALimitOfTheMechanism) {
             "the sheet may turn back");
 }
 
-TEST(LoadPath, IsRefusedWhereNothingResists) {
+TEST(LoadPath, IsRefusedWithoutStiffness) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.2;

@@ -104,7 +104,7 @@ TEST(Loading, GivesTheSameEveryTime) {
             mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.1, nullptr).loadCurve));
 }
 
-TEST(Loading, NecksGiveWhereTheyAreLigaments) {
+TEST(Loading, NecksAreCompliantIfTheyAreLigaments) {
   scene::Scene scene = turnedUnit();
   scene.hinges.stiffness = 0;
   scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
@@ -149,7 +149,7 @@ TEST(Loading, LigamentsOfGivenStiffnessAreThoseOfTheirNecks) {
   }
 }
 
-TEST(Loading, NecksGiveInMotionToo) {
+TEST(Loading, NecksAreCompliantInMotionToo) {
   scene::Scene scene = turnedUnit();
   scene.grips.clear();
   scene.hinges.stiffness = 0;
@@ -194,7 +194,7 @@ std::string refusalOf(const scene::Scene& scene) {
   return test::refusalOf<Error>([&] { deploy::deploy(scene, 1, nullptr); });
 }
 
-TEST(Loading, RefusesAPieceThatNothingHolds) {
+TEST(Loading, RefusesAPieceWithoutSupport) {
   scene::Scene scene = turnedUnit();
   scene.model.target.reset();
   model::Tile loose = scene.model.tiles.front();
@@ -205,7 +205,7 @@ TEST(Loading, RefusesAPieceThatNothingHolds) {
                         "tiles). Hold each piece with grips or `pin`"));
 }
 
-TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
+TEST(Loading, RefusesSettingsOfDynamics) {
   scene::Scene scene = turnedUnit();
   scene.environment.contacts = scene::ContactFilter::All;
   EXPECT_THAT(refusalOf(scene), HasSubstr("equilibria under grips have no contacts"));
@@ -274,7 +274,7 @@ scene::Scene pulledSquares(int columns, double angle, double move) {
   return scene;
 }
 
-TEST(Loading, TellsTheStabilityOfTheLastState) {
+TEST(Loading, ReportsTheStabilityOfTheLastState) {
   const run::DeploymentResult stable = deploy::deploy(turnedUnit(), 0.5, nullptr);
   EXPECT_THAT(stable.reason, HasSubstr("reached, stable, through"));
   EXPECT_TRUE(stable.warnings.empty());
@@ -282,7 +282,7 @@ TEST(Loading, TellsTheStabilityOfTheLastState) {
 
 // The middles of n squares in a row are (n - 1) (cos(t/2) + sin(t/2)) apart, at most (n - 1)
 // sqrt 2.
-TEST(Loading, TellsWhereASheetIsFullyExtended) {
+TEST(Loading, ReportsFullExtension) {
   for (const int columns : {3, 5}) {
     const double angle = 10 * kDegree;
     const double extent =
@@ -319,7 +319,7 @@ TEST(Loading, RoundingAtAClosedStartIsNoEvent) {
   }
 }
 
-TEST(Loading, TellsThatASheetIsPressedThroughItself) {
+TEST(Loading, ReportsASheetPressedThroughItself) {
   const run::DeploymentResult run =
       deploy::deploy(pulledSquares(4, 30 * kDegree, -1.2), 0.5, nullptr);
   EXPECT_EQ(run.outcome, run::Outcome::Locked);
@@ -639,7 +639,7 @@ TEST(Loading, CountsTheEnergyOfBarsWithoutFolds) {
 }
 
 // Without springs the length scale defines the stiffness of folds: E t^3 / (12 (1 - nu^2)) / scale.
-TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
+TEST(Loading, FoldsHaveTheStiffnessOfTheirLengthScale) {
   scene::Scene scene = liftedFold();
   scene.hinges.stiffness = 0;
   scene.hinges.panels->foldLength = 200;
@@ -650,7 +650,7 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
 
 // A fold that is folded in the model's file rests there without its grip, for a stiffness from
 // springs or from the length scale.
-TEST(Loading, BeginsWhereTheFilesFoldsRest) {
+TEST(Loading, BeginsAtTheRestAnglesOfTheFile) {
   for (const double stiffness : {0.5, 0.0}) {
     scene::Scene scene = liftedFold();
     const double rest = 0.3;
@@ -668,7 +668,7 @@ TEST(Loading, BeginsWhereTheFilesFoldsRest) {
   }
 }
 
-TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
+TEST(Loading, RefusesSettingsWithoutMeaningForPanels) {
   scene::Scene scene = liftedFold();
   scene.model.joints[0].face = model::JointFace::Both;
   EXPECT_THAT(refusalOf(scene), HasSubstr("bending tiles must be joined at one face, not at both"));

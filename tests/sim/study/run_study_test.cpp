@@ -86,7 +86,7 @@ TEST(RunStudy, ResumesAfterTheFinishedCases) {
   EXPECT_EQ(table.rows.size(), 6U);
 }
 
-TEST(RunStudy, StartsAnewUnlessToldToResume) {
+TEST(RunStudy, StartsAgainWithoutResume) {
   const test::TemporaryFolder folder;
   CountingStudy counting;
   study::runStudy(counting.study, settingsIn(folder, false), always);
@@ -110,7 +110,7 @@ TEST(RunStudy, DoesNotMixQuickAndFull) {
   }
 }
 
-TEST(RunStudy, DoesNotResumeWhatAnotherVersionMade) {
+TEST(RunStudy, DoesNotResumeTablesOfAnotherVersion) {
   const test::TemporaryFolder folder;
   CountingStudy counting;
   const study::StudySettings settings = settingsIn(folder, true);
@@ -135,7 +135,7 @@ TEST(RunStudy, UnknownStudyGetsTheNearest) {
   }
 }
 
-TEST(RunStudy, CasesOfEveryStudyHaveNamesOfTheirOwn) {
+TEST(RunStudy, CasesOfEveryStudyHaveUniqueNames) {
   for (const study::Study& study : study::studies()) {
     for (const study::Extent extent : {study::Extent::Quick, study::Extent::Full}) {
       std::vector<std::string> names;

@@ -26,7 +26,7 @@ scene::Scene pulledSheet(double tolerance) {
   return scene;
 }
 
-TEST(SteppedScene, MovesAsARunDoes) {
+TEST(SteppedScene, MovesLikeARun) {
   for (const double tolerance : {0.0, 1e-6}) {
     const scene::Scene scene = pulledSheet(tolerance);
     study::SteppedScene stepped(scene);

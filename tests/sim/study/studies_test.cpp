@@ -87,7 +87,7 @@ TEST(Studies, SquareToDiskStaysOnTheExactPath) {
   EXPECT_GT(table.rows.size(), 50U);
 }
 
-TEST(Studies, SenselessInputIsRefusedInOneLine) {
+TEST(Studies, InvalidInputIsRefusedInOneLine) {
   for (const study::Refusal& refusal : study::refusals()) {
     SCOPED_TRACE(refusal.name);
     try {
@@ -101,7 +101,7 @@ TEST(Studies, SenselessInputIsRefusedInOneLine) {
   }
 }
 
-TEST(Studies, HardTrialsHaveNamesOfTheirOwnAndAnError) {
+TEST(Studies, HardTrialsHaveAnErrorAndItsMeaning) {
   for (const study::HardTrial& trial : study::hardTrials(false)) {
     EXPECT_TRUE(trial.error) << trial.name;
     EXPECT_FALSE(trial.errorMeaning.empty()) << trial.name;

@@ -38,7 +38,7 @@ TEST(BrickMeasures, HaveTheWholeRunsMeasuresAsTheirLargest) {
             trajectory::jointGap(pivots, tiles.poses).max);
 }
 
-TEST(BrickMeasures, TellHowFarEachBrickWentAndTurned) {
+TEST(BrickMeasures, HaveDisplacementAndRotationOfEachBrick) {
   const ScatteredTiles tiles;
   const std::vector<double> moved = trajectory::brickDisplacements(tiles.start, tiles.poses);
   const std::vector<double> turned = trajectory::brickRotations(tiles.start, tiles.poses);

@@ -24,7 +24,7 @@ trajectory::LoadedPanels squareAndTriangle() {
 }
 
 // A bar holds k (e l)^2 / 2 = 20 e^2, the folds 1.5 * 0.5^2 and 2.5 * 0.4^2.
-TEST(Panels, HoldTheEnergyOfBarsAndFolds) {
+TEST(Panels, HaveTheEnergyOfBarsAndFolds) {
   const trajectory::LoadedPanels sheet = squareAndTriangle();
   EXPECT_EQ(sheet.energy(sheet.states[0]), 0);
   EXPECT_NEAR(sheet.energy(sheet.states[1]), 20 * 0.15 + 0.375 + 0.4, 1e-14);

@@ -228,7 +228,7 @@ TEST(Penetration, FindsTheDeepestPairOfASheet) {
   EXPECT_EQ(found.depth, deepest);
 }
 
-TEST(Penetration, NoBricksNoDepth) {
+TEST(Penetration, IsZeroWithoutBricks) {
   const trajectory::Penetration found = trajectory::deepestPenetration({}, {});
   EXPECT_EQ(found.depth, 0);
   EXPECT_EQ(found.brickA, -1);
@@ -316,7 +316,7 @@ trajectory::PenetrationDepths depthsOf(const std::vector<brick::Brick>& bricks,
 }
 
 // Second method: the memory of earlier states does not change a bit of the figures.
-TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
+TEST(PenetrationMeter, AgreesWithSingleStates) {
   const model::Model model = generate::makeTessellation({.columns = 4, .rows = 3});
   const std::vector<brick::Brick> bricks = brick::makeBricks(model.tiles, {.thickness = 0.2});
   const std::vector<brick::Pivot> pivots = brick::makePivots(model.joints, bricks);

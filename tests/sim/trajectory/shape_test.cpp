@@ -84,7 +84,7 @@ model::Tile polygon(const std::vector<Vector3>& corners) {
   return {corners};
 }
 
-TEST(Shape, CoversWhatTilesShareOnce) {
+TEST(Shape, CountsOverlapsOfTilesOnce) {
   // A unit square and the same moved by (0.5, 0.25) overlap by 0.5 x 0.75. A third is separate, a
   // fourth lies within the first, clockwise.
   const model::Tile square = polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -124,7 +124,7 @@ TEST(Shape, CoversWhatTilesShareOnce) {
 }
 
 // Second method: counting points of a fine grid, for random tiles in a heap.
-TEST(Shape, CoversWhatPointsOfAGridSay) {
+TEST(Shape, AgreesWithCountsOnAGrid) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> anywhere(-1, 1);
   std::vector<model::Tile> tiles;
@@ -156,7 +156,7 @@ TEST(Shape, CoversWhatPointsOfAGridSay) {
   EXPECT_NEAR(*trajectory::coveredArea(tiles) / area, 1, 1e-3);
 }
 
-TEST(Shape, CoversNothingKnownInSpace) {
+TEST(Shape, IsUnknownInSpace) {
   std::vector<model::Tile> tiles = RotatingSquares(0.1).tiles;
   tiles[0].vertices[0].z() += 0.1;
   EXPECT_FALSE(trajectory::coveredArea(tiles));
@@ -277,7 +277,7 @@ TEST_F(RunCurvesOfSquares, AreChannelsOfTheTrajectory) {
   EXPECT_EQ(curves_.joints.size(), run.model.joints.size());
 }
 
-TEST(RunCurves, TellEnergiesAndForces) {
+TEST(RunCurves, HaveEnergiesAndForces) {
   trajectory::Trajectory run = openingSquares(1, 2);
   const std::size_t joints = run.model.joints.size();
   for (trajectory::Sample& sample : run.samples) {

@@ -69,7 +69,7 @@ TEST(Sheet, CrossingTilesOverlapAsFarAsTheyReachThrough) {
   EXPECT_NEAR(again[0].depth, 0.2, 1e-14);
 }
 
-TEST(Sheet, MeasuresWhatIsWrong) {
+TEST(Sheet, MeasuresFaults) {
   std::vector<model::Tile> tiles = {unitSquare({0, 0, 0}), unitSquare({1, 0, 0.25})};
   const std::vector<model::Joint> joints = {{{0, 1}, {1, 0}}};
   EXPECT_EQ(model::largestJointGap(joints, tiles), 0.25);

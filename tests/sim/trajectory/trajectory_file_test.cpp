@@ -350,7 +350,7 @@ print(f["settings"].asstr()[0])
   EXPECT_THAT(text, HasSubstr("Ångström"));
 }
 
-TEST(TrajectoryFile, RefusesAFileThatIsNotThereOrForeign) {
+TEST(TrajectoryFile, RefusesAMissingOrForeignFile) {
   const TemporaryFolder folder;
   const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   const std::filesystem::path file = folder / "run.h5";
@@ -513,7 +513,7 @@ std::string refusalAfterPython(const std::string& lines) {
   return message.substr(std::min(message.size(), message.find("error: ")));
 }
 
-TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
+TEST(TrajectoryFile, RefusesStatesThatItsWriterNeverMakes) {
   if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
     GTEST_SKIP() << "install python3-h5py to change trajectories by another program";
   }
