@@ -4,13 +4,16 @@
 // algorithm see F. Loitsch, Printing floating-point numbers quickly and accurately with integers,
 // PLDI 2010). A coordinate written as 0.866 becomes 866e-3 again: 3 digits, the last at 10^-3.
 // Trailing zeros hide the last place of some numbers. The finest last place of all coordinates is
-// therefore the decimal place of the file's rounding.
+// therefore the decimal place of the file's rounding. Programs that compute in single precision
+// round before they write: each number is then the written text of a float, whose last place is
+// coarser than the written one.
 #include "sim/formats/written_digits.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace kirireel::formats {
@@ -18,6 +21,9 @@ namespace {
 
 // A number with this many significant digits was not rounded for writing: doubles have 15 to 17.
 constexpr int kAllDigits = 15;
+// Floats have 7 to 9 significant digits. With this many or more, numbers are texts of floats by
+// chance in one case of 50.
+constexpr int kDigitsOfFloats = 9;
 // Two roundings of one point differ by at most one unit along each axis: sqrt(3), plus a margin for
 // the precision of doubles.
 constexpr double kAcrossDigits = 1.75;
@@ -32,6 +38,9 @@ constexpr double kCoarse = 0.01;
 // Otherwise a common step is chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
 constexpr std::int64_t kTypedStep = 5;
 constexpr std::int64_t kTypedSteps = 10'000;
+
+// Fewer numbers could agree by chance.
+constexpr int kEnough = 8;
 
 /// A number's shortest text in scientific notation.
 struct Digits {
@@ -65,6 +74,27 @@ void forEachCoordinate(const std::vector<model::Tile>& tiles, const Visit& visit
   }
 }
 
+/// Whether the number is the text of a float.
+bool isSingle(double value, const Digits& digits) {
+  const double half = 0.5000001 * std::pow(10.0, digits.last());
+  return std::abs(value - static_cast<double>(static_cast<float>(value))) <= half;
+}
+
+/// The last place of the largest coordinate as a float, metres; 0 if not all are floats.
+double placeOfFloats(const std::vector<model::Tile>& tiles) {
+  bool areSingle = true;
+  int full = 0;
+  double largest = 0;
+  forEachCoordinate(tiles, [&](double value) {
+    const Digits digits = digitsOf(value);
+    areSingle = areSingle && isSingle(value, digits);
+    full += digits.count >= kDigitsOfFloats ? 1 : 0;
+    largest = std::max(largest, std::abs(value));
+  });
+  if (!areSingle || full < kEnough) return 0;
+  return std::ldexp(1, std::ilogb(largest) + 1 - std::numeric_limits<float>::digits);
+}
+
 /// Whether most numbers below the largest decade have as many significant digits as those in it.
 /// With fixed decimals they would have fewer.
 bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
@@ -74,8 +104,6 @@ bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
     ++lower;
     full += digits.count == most ? 1 : 0;
   }
-  // Fewer numbers could agree by chance.
-  constexpr int kEnough = 8;
   return lower >= kEnough && 2 * full > lower;
 }
 
@@ -87,8 +115,8 @@ model::Model modelOf(const std::vector<model::Tile>& tiles) {
 
 }  // namespace
 
-// A power of ten, or 0.
 double lastPlace(const std::vector<model::Tile>& tiles) {
+  if (const double place = placeOfFloats(tiles); place > 0) return place;
   std::vector<Digits> all;
   int most = 0, finest = 0, highest = 0;
   for (const model::Tile& tile : tiles) {

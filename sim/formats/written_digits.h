@@ -12,10 +12,10 @@ namespace kirireel::formats {
 // place is therefore the finest place of any number, in every format. With a fixed number of
 // significant digits, large numbers have fewer decimals than small ones. The last place of the
 // largest numbers counts in that case. Files with 15 or more significant digits were not
-// rounded.
+// rounded, except to single precision.
 
-/// The last decimal place of the coordinates, metres, such as 0.001. 0 if the coordinates have all
-/// their digits.
+/// The last place of the coordinates, metres: decimal, such as 0.001, or that of a float if a
+/// program in single precision wrote them. 0 if the coordinates have all their digits.
 double lastPlace(const std::vector<model::Tile>& tiles);
 
 /// Rounding error of the coordinates, metres: the last place, or 0 if the numbers are

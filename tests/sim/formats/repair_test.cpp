@@ -12,6 +12,7 @@
 #include "sim/formats/read_settings.h"
 #include "sim/formats/written_digits.h"
 #include "sim/generate/lattice.h"
+#include "sim/model/sheet_frame.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -187,6 +188,28 @@ TEST(Repair, DigitsAreFoundInTheNumbers) {
   // Significant digits: coordinates reach from 0.05 to 3, so three of them are hundredths.
   const auto tiles = rounded([](double x) { return std::stod(fmt::format("{:.3g}", x)); });
   EXPECT_NEAR(formats::lastPlace(tiles), 1e-2, 1e-14);
+  // Texts of floats have as many digits as their writer gives them. The largest is between 2 and 4.
+  for (const int digits : {9, 12, 17}) {
+    const auto floats = rounded([&](double x) {
+      return std::stod(fmt::format("{:.{}g}", static_cast<double>(static_cast<float>(x)), digits));
+    });
+    EXPECT_EQ(formats::lastPlace(floats), std::ldexp(1, -22)) << digits;
+  }
+  const auto decimal = rounded([](double x) { return std::stod(fmt::format("{:.9g}", x)); });
+  EXPECT_NEAR(formats::lastPlace(decimal), 1e-8, 1e-20);
+}
+
+TEST(Repair, SheetsInSinglePrecisionAreFlatInEveryPlane) {
+  for (int k = 0; k < 50; ++k) {
+    const Quaternion turn = rotationFromVector({0.3 * k, std::sin(k), 1.0});
+    model::Model model = openSheet();
+    for (model::Tile& tile : model.tiles) {
+      for (Vector3& v : tile.vertices)
+        v = (turn * v + Vector3(k, 0, 0)).cast<float>().cast<double>();
+    }
+    model.rounding = formats::roundingOf(model.tiles);
+    EXPECT_TRUE(model::sheetFrame(model)) << k;
+  }
 }
 
 TEST(Repair, NumbersThatAreExactAreNotRounded) {
