@@ -34,8 +34,6 @@ namespace {
 
 // Minimum reported overlap, as a fraction of a tile.
 constexpr double kOverlap = 1e-6;
-// Tolerance for flat states, as a fraction of the model's size.
-constexpr double kFlatOfModel = 1e-9;
 
 /// A pivot is described by its face.
 std::string kindOf(const model::Joint& joint) {
@@ -57,7 +55,7 @@ StateInspection inspectState(const scene::Scene& scene, const std::vector<model:
   state.seesAllPairs =
       static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
   // Planar degrees of freedom exist only for flat states.
-  if (model::sheetFrame(tiles, kFlatOfModel * model::modelSize(model))) {
+  if (model::sheetFrame(tiles, model::flatTolerance(model))) {
     state.inPlane =
         trajectory::mobility(model, tiles, trajectory::Freedom::Plane, scene.brick.thickness);
   }
