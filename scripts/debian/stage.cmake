@@ -9,7 +9,7 @@ function(compress file)
   execute_process(COMMAND gzip --best --no-name ${file} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# Debian's changelog: of this version only that it is there, the news are in a file of their own.
+# Debian's changelog has only the version; the news are in a separate file.
 function(write_changelog package folder)
   string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH
   file(WRITE ${folder}/changelog

@@ -75,7 +75,7 @@ def main():
             _, seconds = squeeze.follow(shares, method)
             print(f"SciPy {method}: {seconds:.1f} s, {seconds / own:.0f} times as much")
         model, run, own, states = load(program, folder, side, 0, 1.0, STEPS)
-        print(f"Kirireel from shut: {own:.2f} s, {states} states")
+        print(f"Kirireel from closed: {own:.2f} s, {states} states")
         cpu([program, "export", run, "--format", "inp", "--states", "initial", "--joints", "neck",
              "--neck-width", str(WIDTH), "--neck-length", str(LENGTH), "--kerf", "0.02", "--plane-stress",
              "--elements-per-edge", "2", "--out", f"{folder}/deck"])

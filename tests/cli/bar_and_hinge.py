@@ -92,7 +92,7 @@ def triangles_of(points, faces):
 
 
 def angles(x):
-    """Of folds at places (fold, node, axis), complex ones too."""
+    """Angles of folds at positions (fold, node, axis), which may be complex."""
     p, q, r, s = (x[:, k] for k in range(4))
     e = q - p
     n, m = np.cross(e, r - p), np.cross(s - p, e)
@@ -150,7 +150,7 @@ class Sheet:
         self.rest = angles(points[self.f])
 
     def parts(self):
-        """The nodes of elements, and their energies at the places (element, node, axis) of those."""
+        """The nodes of elements, and their energies at their positions (element, node, axis)."""
         def of_bars(x):
             d = x[:, 1] - x[:, 0]
             return 0.5 * self.kb * (np.sqrt((d * d).sum(axis=-1)) - self.l0)**2

@@ -27,7 +27,7 @@ from scipy.sparse.linalg import spsolve
 
 
 def neck_stiffnesses(width, length, youngs, poisson, thickness):
-    """Stretching, shearing (Timoshenko's beam) and bending (as docs/fea.md has it)."""
+    """Stretching, shearing (Timoshenko's beam) and bending (docs/fea.md)."""
     area, inertia = width * thickness, thickness * width**3 / 12
     shear_modulus = youngs / (2 * (1 + poisson))
     ends = np.interp(length / width, (1, 2, 5, 10, 20), (1.268, 1.267, 1.265, 1.263, 1.259))
@@ -89,7 +89,7 @@ class Sheet:
         return 0.5 * (self.k_l * stretch @ stretch + self.k_s * shear @ shear + self.k_b * bend @ bend)
 
     def gather(self, at_a, at_b):
-        """Sums what ligaments give to their tiles."""
+        """Sums the contributions of ligaments to their tiles."""
         total = np.empty((3, len(self.tiles)))
         for k in range(3):
             total[k] = (np.bincount(self.a, at_a[k], len(self.tiles)) +
@@ -105,7 +105,7 @@ class Sheet:
                            (f.real, f.imag, turn(arm_b) - half + moment))
 
     def hessian(self, q):
-        """Blocks of 6 x 6 a ligament, from the differential of the gradient along each coordinate."""
+        """Blocks of 6 x 6 per ligament, from the differential of the gradient along each coordinate."""
         arm_a, arm_b, l, stretch, shear, bend = self.strains(q)
         size, n = abs(l), l / abs(l)
         f = self.k_l * stretch * n + 1j * self.k_s * shear * n / size
@@ -140,7 +140,7 @@ class Squeeze:
         self.free = np.flatnonzero(is_free)
 
     def minimise(self, q, displacement, method):
-        """The state next to q, with the moved tiles so far from their start."""
+        """The state next to q, with the moved tiles at this displacement."""
         sheet = self.sheet
         q = q.copy()
         q[0, self.moved] = sheet.start()[0, self.moved] + displacement
@@ -182,7 +182,7 @@ class Squeeze:
         return states, time.process_time() - begin
 
     def polished(self, q):
-        """One step of Newton's method: minimisers end where the energy's digits do."""
+        """One step of Newton's method: minimisers end at the precision of the energy."""
         q = q.copy()
         slope = self.sheet.gradient(q).ravel()[self.free]
         q.flat[self.free] -= spsolve(self.sheet.hessian(q)[self.free][:, self.free], slope)

@@ -34,8 +34,8 @@ def blocks_of(name):
 
 
 def commands(kind, block, place):
-    """Shell commands that run a block. place: "here", or in a Debian that has nothing else "clone"
-    (in the folder of the sources) or "packages" (which are in /root)."""
+    """Shell commands that run a block. place: "here", or in a bare Debian "clone" (in the folder of the
+    sources) or "packages" (which are in /root)."""
     here = "'END OF BLOCK'"
     lines = [line for line in block.replace("\\\n", " ").splitlines() if line]
     if kind in ("sh", "sh link"):
@@ -63,7 +63,7 @@ def commands(kind, block, place):
 
 
 def bare_script(name, place):
-    """A shell script of a page, for a Debian that has nothing else."""
+    """A shell script of a page, for a bare Debian."""
     steps = ["set -u"]
     for kind, block in blocks_of(name):
         for command in commands(kind, block, place):
@@ -79,7 +79,7 @@ class Page:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder, "a clone")
         copy_sources(self.folder)
-        # The program of this build, and the Python that the module is for.
+        # The program of this build, and the Python of its module.
         programs = pathlib.Path(folder, "bin")
         programs.mkdir()
         (programs / "kirireel").symlink_to(os.environ["KIRIREEL_PROGRAM"])
@@ -98,7 +98,7 @@ class Page:
             print("octave is not installed: its block was left out")
             return ""
         if kind == "sh link":
-            # What this build installs.
+            # The installed files of this build.
             prefix = self.folder / "installed"
             self.run("cmake", "--install", os.environ["KIRIREEL_BUILD"], "--prefix", prefix,
                      "--component", "development")

@@ -90,7 +90,7 @@ class Lines:
         return len(self.pieces[piece]) == 1
 
     def neckOf(self, joint, sheet):
-        """The piece between both tiles that ends at their joint; none where the gap is open."""
+        """The piece between both tiles that ends at their joint; None if the gap is open."""
         a, i, b, _ = joint
         place = self.at(sheet.tiles[a][i])
         found = [p for p, tiles in self.pieces.items() if place in p and sorted(tiles) == sorted([a, b])]
@@ -106,7 +106,7 @@ def drawn(sheet, necks, kerf):
         if neck is None:
             return None
         piece, place = neck
-        # Of slots the neck is the material between their borders.
+        # The neck of slots is the material between their borders.
         hasNeighbour = any(place in p and not lines.isBorder(p) and p != piece and (p, place) not in short
                      for p in lines.pieces)
         isAtBorder = any(place in p and lines.isBorder(p) for p in lines.pieces)
@@ -157,7 +157,7 @@ def joined(segments):
 
 
 def rings(lines):
-    """Closed chains of the border's pieces; at a corner of several the sharpest turn to the right."""
+    """Closed chains of the border's pieces, with the sharpest right turn at common corners."""
     ends = {}
     for piece in lines.pieces:
         if lines.isBorder(piece):
@@ -183,7 +183,7 @@ def rings(lines):
 
 
 def slot(line, kerf, pieces=12):
-    """The outline of what a beam takes away that runs along a straight line."""
+    """The outline of the material that a beam removes along a straight line."""
     along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
     across = np.array([-along[1], along[0]])
     points = []
@@ -194,7 +194,7 @@ def slot(line, kerf, pieces=12):
 
 
 # ---------------------------------------------------------------------------------------------------
-# Editors. Each returns the text of a file, and where a point of the sheet is in it, millimetres.
+# Editors. Each returns the text of a file, and the map of points of the sheet to it, millimetres.
 
 def number(x, digits):
     return repr(float(x)) if digits is None else f"{x:.{digits}f}"
@@ -217,7 +217,7 @@ def svgText(paths, digits, style, rng):
             continue
         moved = place(points)
         if style == "relative":
-            # Rounded steps add up: they are taken from the rounded places.
+            # Rounded steps add up, so they begin at the rounded positions.
             at = np.array([float(number(x, digits)) for x in moved[0]])
             d = "m" + coordinates(at)
             for p in moved[1:]:
@@ -271,7 +271,7 @@ def motions(place):
 
 
 def difference(sheet, free, text, ending, place, kerf, digits, folder):
-    """What differs from the sheet, in words; and how far joints moved, millimetres."""
+    """The differences from the sheet, in words, and the largest move of joints, millimetres."""
     drawing, out = os.path.join(folder, "drawing." + ending), tempfile.mktemp(dir=folder)
     open(drawing, "w").write(text)
     ended = run("convert", drawing, out)
@@ -314,7 +314,7 @@ SIZES = {"--columns": (2, 5), "--rows": (2, 5), "--half-size": (1, 2), "--half-c
 
 
 def member(family, rng, folder):
-    """A random sheet of a family; none where the family has none of that size."""
+    """A random sheet of a family; None if the family has no sheet of that size."""
     offered = run("generate", family, "--help").stdout
     place = tempfile.mktemp(dir=folder)
     words = [word for option, (least, most) in SIZES.items() if option in offered
@@ -324,7 +324,7 @@ def member(family, rng, folder):
     return place, " ".join([family, *words])
 
 
-# Not read right yet: slots of moebius (one motion less) and of penrose_expanded (two false necks), and
+# Not read correctly yet: slots of moebius (one motion less) and of penrose_expanded (two false necks), and
 # slits of random stars (two necks less).
 KNOWN = ("moebius", "penrose_expanded", "stars --columns 3 --rows 5")
 

@@ -1,4 +1,4 @@
-"""The scripts and the configuration on machines on which packages are missing.
+"""The scripts and the configuration on machines with missing packages.
 
 Other programs are replaced by ones of the test: a package is missing because apt, pkg-config or CMake
 says so.
@@ -16,10 +16,10 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2]
 
 
 def copy_sources(folder):
-    """What a clone has."""
+    """The files of a clone."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCES, capture_output=True)
     if listed.returncode != 0:
-        # No clone: everything but what was made.
+        # Without git: all files except generated ones.
         shutil.copytree(SOURCES, folder, ignore=shutil.ignore_patterns("build", "out"))
         return
     for name in filter(None, listed.stdout.decode().split("\0")):
@@ -35,7 +35,7 @@ def write_program(file, text):
 
 
 class Machine:
-    """A folder with the sources in one whose name has a space, and programs that come before others."""
+    """A folder with the sources, in one with a space in its name, and programs with priority on the path."""
 
     def __init__(self, folder):
         self.programs = pathlib.Path(folder, "bin")
@@ -97,7 +97,7 @@ class Help(OnAMachine):
 
 
 class Setup(OnAMachine):
-    """With a dpkg and an apt that know the packages in the files installed, listed and archive."""
+    """With a dpkg and an apt for the packages in the files installed, listed and archive."""
 
     def setUp(self):
         super().setUp()
@@ -217,7 +217,7 @@ MODULES = {"hdf5": "libhdf5-dev", "bullet": "libbullet-dev", "assimp": "libassim
 class Configuration(OnAMachine):
     def setUp(self):
         super().setUp()
-        # HIDDEN holds the names of modules that are to be missing.
+        # HIDDEN has the names of modules that must be missing.
         write_program(self.machine.programs / "pkg-config", """
             for word in "$@"; do
               for name in ${HIDDEN:-}; do [[ $word != "$name"* ]] || exit 1; done
@@ -250,7 +250,7 @@ class Messages(Configuration):
 
 
 class LaterPackages(Configuration):
-    """What is installed after the first configuration is found by the second, and what is gone is left out."""
+    """A second configuration finds new packages and omits removed ones."""
 
     def targets(self):
         return (self.machine.sources / "build/build.ninja").read_text()

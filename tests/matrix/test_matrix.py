@@ -29,7 +29,7 @@ DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "dat
 BITS, KINEMATIC, DYNAMIC = 0.0, 1e-9, 1e-6
 # For models after the first in the quick extent.
 CORE = ("inspect", "path", "gravity", "grips", "glb", "inp")
-# Of files in single precision, and of decks, which have few digits.
+# For files in single precision, and for decks, which have few digits.
 SINGLE, DECK = 1e-6, 2e-6
 
 
@@ -95,7 +95,7 @@ class Transformation:
         return vector @ self.rotation.T
 
     def points(self, points, model):
-        """Where points of the model go, metres or the given unit."""
+        """The transformed points, metres or the given unit."""
         moved = self.scale * self.direction(points)
         return moved + self.shift * model.size() * self.scale * np.array([1.0, 0.7, -0.4]) if self.shift else moved
 
@@ -131,7 +131,7 @@ class Transformation:
         return np.random.default_rng(3).permutation(count)
 
     def number(self, tile):
-        """The number that a tile of the original has here."""
+        """The number of a tile of the original."""
         return int(np.flatnonzero(self.order(len(PLAIN[0].tiles)) == tile)[0]) if self.reorder == "tiles" else tile
 
     def restore(self, tiles):
@@ -255,7 +255,7 @@ def scene(t, text, out):
 
 
 def along(vector, factor=1.0):
-    """Numbers of a grip, without those along an axis that the vector has no part of."""
+    """Numbers of a grip, without those along axes in which the vector is 0."""
     named = [f"{axis} = {float(factor * x)!r}" for axis, x in zip("xyz", vector) if abs(x) > 1e-12]
     return "{" + ", ".join(named) + "}"
 
@@ -266,7 +266,7 @@ def grips(place, t, out):
     last, middle = t.number(count - 1), t.number(count // 2)
     move = t.direction(np.array([0.05, 0.03, 0]))
     push = t.direction(np.array([100.0, 200, 0]))
-    # In the unit of the model, as everything that is typed; forces are newtons.
+    # In the unit of the model, like all input; forces are newtons.
     text = (f"[[grip]]\ntile = {last}\nmove = {along(move, t.scale)}\n"
             f"[[grip]]\ntile = {middle}\nforce = {along(push, metres(t) ** 2)}\n")
     run("simulate", place, *t.options, "--scene", scene(t, text, out), "--pin", str(t.number(0)),
@@ -298,7 +298,7 @@ def exported(form, measure, unit, *options):
         states = [] if form in ("svg", "dxf", "glb") else ["--states", "0%"]
         run("export", folder, "--format", form, *options, *states, "--out", out + "e")
         files = [os.path.join(out + "e", n) for n in sorted(os.listdir(out + "e")) if n.endswith("." + form)]
-        # Of a deck the mesh, and not its jobs.
+        # The mesh of a deck, without its jobs.
         files = [f for f in files if form != "inp" or "*NODE," in open(f).read()]
         return {"lengths": [measure(files[0]) * (1 if unit is None else unit * t.scale / metres(t))]}
     command.__name__ = form
@@ -423,7 +423,7 @@ COMMANDS = [
     (exported("svg", svgLength, 1e-3), KINEMATIC), (exported("dxf", dxfLength, 1e-3), KINEMATIC),
     (picture, KINEMATIC), (page, KINEMATIC)]
 
-# (transformation, command): why it is not met yet. One that holds is an error here.
+# (transformation, command): why it fails. A case that passes is an error here.
 KNOWN = {
     ("named hull", "picture"): "the picture shows the name",
     ("named with a space", "picture"): "the picture shows the name",
@@ -461,7 +461,7 @@ def difference(found, expected, t, model):
 
 
 def put(model, t, folder):
-    """Writes the transformed model and returns what to give to the program."""
+    """Writes the transformed model and returns the arguments of the program."""
     place = os.path.join(folder, t.folder)
     t.apply(model).write(place)
     if t.form:

@@ -46,7 +46,7 @@ def make(family, rng, folder):
 
 
 def placement(rng):
-    """Each part is there in half of all placements."""
+    """Each part is in half of all placements."""
     has = lambda: rng.random() < 0.5
     turn = rotationAbout(rng.normal(size=3), rng.uniform(0, 2 * np.pi)) if has() else np.eye(3)
     if has():
@@ -68,7 +68,7 @@ def describe(t):
 
 
 def outcome(place, t, out):
-    """What a default run finds: words, states of the path, and figures."""
+    """Results of a default run: words, states of the path, and figures."""
     run("simulate", place, *t.options, "--out", out)
     summary = json.load(open(os.path.join(out, "summary.json")))
     moves = summary["end_time"] > 0  # otherwise there is one state
@@ -96,7 +96,7 @@ def compare(found, expected, t, model):
 
 
 def knownFailure(model, expected):
-    """Why the bounds are not met yet; None for other models."""
+    """Why a model misses the bounds; None for other models."""
     if not model.target:
         return "a long path is smoothed until its energy hardly falls: measured 2e-12 at the end, 5e-5 on the way"
     if expected[0][3]:

@@ -92,7 +92,7 @@ def ofGltf(file):
 
 
 def ofSvg(file):
-    """The width of the ink, drawn at 20 dots a millimetre."""
+    """The width of the ink, drawn at 20 dots per millimetre."""
     picture = file + ".png"
     subprocess.run(["rsvg-convert", "--dpi-x", "508", "--dpi-y", "508", "--background-color", "white",
                     file, "-o", picture], check=True)
@@ -120,7 +120,7 @@ def ofText(unit):
 
 
 def write(folder, unit, upright):
-    """16 squares of a rotating squares sheet, closed, four a side."""
+    """16 squares of a rotating squares sheet, closed, four per side."""
     run("generate", "tessellation", folder, "--columns", "4", "--rows", "4")
     path = os.path.join(folder, "vertices.txt")
     tiles = [np.array(line.split("#")[0].split(), float).reshape(-1, 3) for line in open(path) if line.split("#")[0].split()]
@@ -162,7 +162,7 @@ def check(unit, upright, scratch):
         run("export", out, "--format", form, *options, "--out", to)
         endings = {"vertices": ".txt", "planar": ".obj"}
         files = [n for n in sorted(os.listdir(to)) if n.endswith(endings.get(form, "." + form))]
-        # Of a deck the mesh, and not its jobs.
+        # The mesh of a deck, without its jobs.
         files = [n for n in files if form != "inp" or "*NODE," in open(os.path.join(to, n)).read()]
         for reader, measure, bound in readers:
             try:

@@ -378,7 +378,7 @@ class Table:
         self.rows = {}
 
     def add(self, name, stated, own, scale, least=0.0):
-        """`scale`: of which 1e-12 counts as none."""
+        """`scale`: 1e-12 of it counts as 0."""
         stated, own = np.asarray(stated, float), np.asarray(own, float)
         if (np.isnan(stated) != np.isnan(own)).any():
             return self.put(name, np.inf, np.inf)
@@ -460,7 +460,7 @@ def check_overlaps(run, table, few):
 
 
 def sheet_axes(run):
-    """Rows: x and y in the plane of a start that is flat, and its normal; else those of the world.
+    """Rows: x and y in the plane of a flat start, and its normal; else those of the world.
 
     The normal of a plane that is not horizontal has most of the area anticlockwise. x and y follow from
     the shortest rotation of z onto it.
@@ -540,7 +540,7 @@ def hinge_energy(run):
 
 
 def perturbation(run):
-    """At most the energy of perturbations, which count as work: a run at rest gets 1e-6 of the model's size a second."""
+    """At most the energy of perturbations, which count as work: a run at rest gets 1e-6 of the model's size per second."""
     return 10 * run.mass.sum() * (1e-6 * np.linalg.norm(np.ptp(run.vertices, axis=0))) ** 2
 
 

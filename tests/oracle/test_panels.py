@@ -177,7 +177,7 @@ def check(run, sheet, table):
     largest = curve["energy"].max()
     table.put("energy by the strains of the file, of the largest",
               abs(energy(panels["bar_strain"], panels["fold_angle"]) - curve["energy"]).max() / largest, 1e-12)
-    # A strain that is 1e-15 wrong, times the largest forces.
+    # An error of 1e-15 in a strain, times the largest forces.
     table.put("energy by the nodes, of the largest", abs(energy(strains, turned) - curve["energy"]).max() / largest, 1e-9)
     table.put("energy at the end in the summary, relative", abs(elasticity["energy_end"] / curve["energy"][-1] - 1), 1e-12)
     table.put("energy at the start in the summary, of the largest", abs(elasticity["energy_start"]) / largest, 1e-12)

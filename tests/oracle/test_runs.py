@@ -36,7 +36,7 @@ RANDOM_OPTIONS = [
 
 
 def run(*arguments):
-    """The exit code; a run that ends short of its target is a run, too."""
+    """The exit code; a run that misses its target also counts."""
     return subprocess.run([PROGRAM, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 

@@ -1,4 +1,4 @@
-"""Chromium without a screen, drawing by software: what a page shows and asks for."""
+"""Chromium without a screen, drawing by software: the picture and the requests of a page."""
 
 import io
 import json
@@ -45,7 +45,7 @@ class Browser:
                                        options=options)
         self.driver.set_script_timeout(120)
         if on_phone:
-            # Windows are at least 500 pixels wide; what is emulated may be narrower.
+            # Windows are at least 500 pixels wide; emulated screens may be narrower.
             self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
                 "width": PHONE[0], "height": PHONE[1], "deviceScaleFactor": 2, "mobile": True})
             self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {
@@ -65,17 +65,17 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     def wait_until(self, condition):
-        """Until a JavaScript expression is true; fails after the script's time is up."""
+        """Waits until a JavaScript expression is true; fails after the script's limit of time."""
         self.driver.execute_async_script(
             "const done = arguments[0];"
             "const look = () => (%s) ? done() : setTimeout(look, 20); look();" % condition)
 
     def wait_until_fine(self):
-        """Until the picture is as fine as a still one becomes."""
+        """Waits until the picture has its final quality."""
         self.wait_until("kirireel.stages.every((stage) => stage.isFine && !stage.isStale)")
 
     def cpu_seconds(self):
-        """What the browser's processes have computed so far."""
+        """CPU seconds of the browser's processes so far."""
         ticks = os.sysconf("SC_CLK_TCK")
         parents, seconds = {}, {}
         for entry in os.listdir("/proc"):
@@ -95,11 +95,11 @@ class Browser:
         return total
 
     def messages(self):
-        """What the page complained of."""
+        """Errors and warnings of the page."""
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
     def requests(self):
-        """Addresses that the page asked for, but for itself and what it has within."""
+        """Addresses that the page loaded, except itself and its own content."""
         addresses = []
         for entry in self.driver.get_log("performance"):
             message = json.loads(entry["message"])["message"]
@@ -108,7 +108,7 @@ class Browser:
         return [a for a in addresses if not a.startswith(("file://", "data:", "blob:"))]
 
     def touch(self, *moments):
-        """Fingers on the page: at each moment a list of their places, as (x, y). Then none."""
+        """Fingers on the page: for each moment a list of their positions (x, y). Then none."""
         kind = "touchStart"
         for places in moments + ([],):
             points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(places)]
@@ -129,7 +129,7 @@ class Browser:
                  "slider.dispatchEvent(new Event('input', {bubbles: true}));", position)
 
     def canvas_picture(self):
-        """What the canvas shows: rows x columns x 3, 0 to 255."""
+        """The picture on the canvas: rows x columns x 3, 0 to 255."""
         self.wait_until_fine()
         canvas = self.driver.find_element("css selector", "canvas")
         return picture_of(canvas.screenshot_as_png)
@@ -146,7 +146,7 @@ def likeness(picture, other):
 
 
 def grown(mask, pixels):
-    """A mask with all that is within so many pixels, across and down."""
+    """A mask grown by so many pixels, across and down."""
     result = mask.copy()
     for dy in range(-pixels, pixels + 1):
         for dx in range(-pixels, pixels + 1):
@@ -155,5 +155,5 @@ def grown(mask, pixels):
 
 
 def lines_of(picture, tolerance):
-    """Where the colour of outlines is, to so many levels."""
+    """A mask of the colour of outlines, within so many levels."""
     return (abs(picture - OUTLINE) < tolerance).all(axis=2)

@@ -1,4 +1,4 @@
-"""Pages as a browser shows them, against our own pictures and our own data."""
+"""Pages in a browser, against our own pictures and data."""
 
 import os
 import pathlib
@@ -80,7 +80,7 @@ class Pages(unittest.TestCase):
         lines = browser.lines_of(picture, 25)
         self.assertFalse((lines & ~browser.grown(browser.lines_of(other, 90), 2)).any())
 
-    # Second method: every brick in a colour of its own, read off the picture.
+    # Second method: every brick in its own colour, read from the picture.
     def test_tiles_are_found_under_a_finger(self):
         random.seed(7)
         for model in MODELS:
@@ -180,7 +180,7 @@ class Pages(unittest.TestCase):
                 "return document.querySelector('.tip').textContent"))
             self.assert_readouts_follow(window, "tip", window.driver.find_element("tag name", "body"))
             window.move_slider(0.6)
-            # One finger turns, two come nearer.
+            # One finger rotates, two zoom.
             before, far = eye(), reach()
             window.touch(*[[(x + 10 * k, y)] for k in range(6)])
             self.assertNotEqual(eye(), before)

@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Functions for several tests."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""Arrays: shapes, no copies, and what they hold, against trajectory.h5 and closed forms."""
+"""Arrays: shapes, no copies, and values, against trajectory.h5 and closed forms."""
 
 import gc
 import pathlib
@@ -112,7 +112,7 @@ class Pictures(unittest.TestCase):
         run = kirireel.deploy(kirireel.read(model_folder("cap")))
         pictures = {}
         for time, behind in ((0, 0), (None, 90)):
-            # Nothing of the orbit is behind at the start, all of it at the end; full turns are none.
+            # The orbit is at 0 at the start and complete at the end; full turns have no effect.
             orbit = run.render(time, view="40,30", orbit=90, size="80x60")
             there = run.render(time, view=f"{40 + behind},30", orbit=360, size="80x60")
             self.assertLess(np.abs(orbit.astype(int) - there).max(), 2)
@@ -121,7 +121,7 @@ class Pictures(unittest.TestCase):
         self.assertGreater(np.abs(pictures[90] - far).mean(), 1)
 
     def test_are_painted_by_several_threads(self):
-        # A process of its own: what several threads do first is what they may wait for each other in.
+        # A separate process: the first calls of several threads may wait for each other.
         script = """
 import sys, concurrent.futures, kirireel
 run = kirireel.deploy(kirireel.read(sys.argv[1]))

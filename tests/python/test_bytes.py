@@ -29,7 +29,7 @@ def words_of(options):
 
 
 def contents(folder):
-    """All files by name; of the summary what the same run always has."""
+    """All files by name; of the summary only the reproducible part."""
     files = {}
     for file in sorted(pathlib.Path(folder).rglob("*")):
         if file.is_file():

@@ -16,13 +16,13 @@ SIDES = (20, 40, 100)  # of square sheets: 400, 1,600 and 10,000 tiles
 
 
 def clock():
-    """Seconds without those in which other programs had the core that the main thread waited for."""
+    """Seconds, without waits of the main thread for a core."""
     waited = int(pathlib.Path("/proc/self/schedstat").read_text().split()[1])
     return time.monotonic() - 1e-9 * waited
 
 
 def interrupted_after(seconds, work):
-    """How long after Ctrl-C the work raised."""
+    """Time from Ctrl-C to the exception, seconds."""
     sent = []
 
     def send():
@@ -42,7 +42,7 @@ def interrupted_after(seconds, work):
 
 class Interruption(unittest.TestCase):
     def check(self, what, work, moments=(0.05, 0.3, 1.0)):
-        """The work, made again and again, ends soon after a Ctrl-C at any of these seconds.
+        """Repeated work ends soon after a Ctrl-C at any of these seconds.
 
         Where much else runs on the machine, a try may be late by that: three are made.
         """

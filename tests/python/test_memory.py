@@ -1,4 +1,4 @@
-"""Many runs in one process take no more memory than a few."""
+"""Many runs in one process need no more memory than a few."""
 
 import gc
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How two tiles give at the neck between them, by CalculiX, E = 1 GPa and nu = 0.3.
+"""The compliance of two tiles at the neck between them, by CalculiX, E = 1 GPa and nu = 0.3.
 
     neck_compliance.py MESH.inp WIDTH [MOMENT]    a deck of CPS8R: two tiles that lie left and
                                          right of x = 1 with an edge each from (1, 0) to (1, 1),
@@ -69,7 +69,7 @@ def shares(nodes, elements):
 
 
 def motion(nodes, area, sign):
-    """What a tile's mean translation at the corner and its turn take of each node: three rows."""
+    """Weights of the nodes in a tile's mean translation at the corner and its rotation: three rows."""
     whole = sum(area.values())
     middle = [sum(a * nodes[n][k] for n, a in area.items()) / whole for k in (0, 1)]
     arms = {n: (nodes[n][0] - middle[0], nodes[n][1] - middle[1]) for n in area}

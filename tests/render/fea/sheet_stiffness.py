@@ -93,7 +93,7 @@ def is_on(p, line, tiny=1e-9):
 
 
 def open_slits(points, cells, slits):
-    """Gives cells on different sides of slits nodes of their own."""
+    """Gives cells on different sides of slits separate nodes."""
     sides = collections.defaultdict(list)
     for c, cell in enumerate(cells):
         for k in range(3):
@@ -106,7 +106,7 @@ def open_slits(points, cells, slits):
     for c, cell in enumerate(cells):
         for k in range(6):
             around[cell[k]].append((c, k))
-    # Cells round a node belong together where they share a side that is no slit.
+    # Cells around a node belong together if they share a side that is not a slit.
     for node, users in around.items():
         group = {c: c for c, _ in users}
 
@@ -177,7 +177,7 @@ def at_edge_point(points, cells, x, y):
 def two_squares(width, length, size):
     """A Gmsh script: squares on both sides of x = 1, a slit between them that ends at a neck below."""
     a, b = 1 - length / 2, 1 + length / 2
-    # Around the left tile, the right tile; the slit's two sides are lines of their own.
+    # Around the left tile, the right tile; the slit's two sides are separate lines.
     corners = [(0, 0), (a, 0), (a, width), (a, 2 * width), (1, 2 * width), (1, 1), (0, 1),
                (2, 0), (2, 1), (1, 1), (1, 2 * width), (b, 2 * width), (b, width), (b, 0)]
     text = [f"Point({k + 1}) = {{{x}, {y}, 0}};" for k, (x, y) in enumerate(corners)]
