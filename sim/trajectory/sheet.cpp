@@ -237,7 +237,7 @@ double leastCornerSine(const std::vector<model::Tile>& tiles) {
 // A hinge holds the two pivots at the bottom and at the top of its edge. The equations of the top
 // are those of its motion relative to the bottom, in units of the thickness t:
 //   d . (w_A x n_A - w_B x n_B) = 0
-// so that singular values do not depend on t.
+// so singular values do not depend on t.
 //
 // Tiles of a rounded or optimised design fit each other only to a misfit e. Redundant equations
 // then have singular values of about e, in tiles, instead of zero, and the design would count as
@@ -450,8 +450,8 @@ Mobility mobility(const model::Model& model, const std::vector<model::Tile>& sta
   const std::optional<model::SheetFrame> frame =
       freedom == Freedom::Plane ? model::sheetFrame(state, model::flatTolerance(model))
                                 : std::nullopt;
-  const JointJacobian equations(model, frame ? model::toFrame(*frame, state) : state, freedom,
-                                thickness);
+  const std::vector<model::Tile> tiles = frame ? model::toFrame(*frame, state) : state;
+  const JointJacobian equations(model, tiles, freedom, thickness);
   const Sparse jacobian = equations.matrix();
   Mobility result;
   result.unknowns = equations.unknowns();
