@@ -14,6 +14,9 @@
 // - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h).
 // - 5. Pixels without triangles keep the background.
 //
+// In opaque pictures of a flat sheet seen from above depth hides nothing. They are drawn without
+// OpenGL instead of steps 3 and 4, by spans of samples (span_raster.h), in less than half the time.
+//
 // Supersampling replaces multisampling: llvmpipe draws flat triangles quickly, and six samples with
 // separate depths also smooth the intersections of faces. Coordinates are doubles up to clip
 // coordinates, then floats.
@@ -34,6 +37,7 @@
 #include "render/picture/gl_context.h"
 #include "render/picture/opengl.h"
 #include "render/picture/picture_geometry.h"
+#include "render/picture/span_raster.h"
 #include "sim/base/interruption.h"
 
 namespace kirireel::picture {
@@ -394,7 +398,6 @@ class TouchedPixels {
   std::vector<PixelBox> strips_;
 };
 
-/// Refuses an invalid size before any allocation of graphics memory.
 /// The painter's data without the graphics context.
 struct PaintedBricks {
   GeometryBuilder sketcher;
@@ -425,12 +428,16 @@ struct Painter::Parts {
   /// Ends in `indices`: of the ground, the solid facets, the translucent ones, the outlines, the
   /// overlay.
   std::array<int, 5> layerEnds{};
-  std::vector<std::uint8_t> strip;  ///< samples before averaging
+  std::vector<SpanRaster::Sample> strip;  ///< before averaging
+  SpanRaster spans;
+  bool isFlat = false;  ///< whether the spans have the picture, not the framebuffer
 
   Parts(FrameSize frameSize, const std::vector<brick::Brick>& bricks, const Style& style,
         Smoothness smoothness);
 
   void collectTriangles(const PictureItems& items, const Camera& camera);
+  bool hasOneDepth() const;
+  void collectSpans();
   void fitSamples(const PixelBox& part);
   void chooseTriangles(const PixelBox& part);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
@@ -449,7 +456,7 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<brick::Brick>& bric
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // of premultiplied colours
 }
 
-/// Fills the mesh and loads its vertices; indices are loaded part by part.
+/// Fills the mesh.
 void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& camera) {
   subject.sketcher.draw(items, camera, geometry);
   mesh.clear();
@@ -469,7 +476,47 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
   }
   mesh.linesEnd = mesh.facetCount();
   tessellator.append(geometry.overlay);
-  MeshBuffer::loadVertices(mesh.vertices);
+}
+
+/// Whether the picture is opaque, and depth hides nothing in it.
+bool Painter::Parts::hasOneDepth() const {
+  constexpr float kRounding = 1e-5F;  // of clip coordinates
+  if (!subject.opaque || mesh.translucentEnd > mesh.solidEnd || mesh.hasTranslucentLines) {
+    return false;
+  }
+  for (const auto& [clip, colour] : mesh.vertices) {
+    if (clip[3] != 1 || std::abs(clip[2]) > 1 || colour[3] < 255) return false;
+  }
+  float nearest = 1, farthest = -1;
+  for (int facet = mesh.groundEnd; facet < mesh.solidEnd; ++facet) {
+    for (int k = mesh.facets[facet].first; k < mesh.facets[facet].end; ++k) {
+      const float depth = mesh.vertices[mesh.indices[k]].clip[2];
+      nearest = std::min(nearest, depth);
+      farthest = std::max(farthest, depth);
+    }
+  }
+  return farthest - nearest < kRounding;
+}
+
+/// Of solid facets in one plane, the first is visible, as with GL_LESS.
+void Painter::Parts::collectSpans() {
+  const Eigen::Vector2d half(0.5 * size.width * kSamplesAcross, 0.5 * size.height * samplesDown);
+  spans.clear(size.height * samplesDown, kStripRows * samplesDown);
+  const auto add = [&](const FacetTriangles& facet) {
+    for (int k = facet.first; k < facet.end; k += 3) {
+      std::array<Eigen::Vector2d, 3> corners;
+      for (int corner = 0; corner < 3; ++corner) {
+        const std::array<float, 4>& clip = mesh.vertices[mesh.indices[k + corner]].clip;
+        corners[corner] = (Eigen::Vector2d(clip[0], clip[1]).array() + 1) * half.array();
+      }
+      spans.add(corners, mesh.vertices[mesh.indices[k + 2]].colour);
+    }
+  };
+  const auto facets = std::span(mesh.facets);
+  std::ranges::for_each(facets.first(mesh.groundEnd), add);
+  const auto solid = facets.subspan(mesh.groundEnd, mesh.solidEnd - mesh.groundEnd);
+  std::for_each(solid.rbegin(), solid.rend(), add);
+  std::ranges::for_each(facets.subspan(mesh.solidEnd), add);
 }
 
 /// Most pictures of a run have parts of the same size, so the framebuffer is seldom made.
@@ -571,14 +618,18 @@ void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame&
   const int rowSamples = columns * kSamplesAcross;
   // OpenGL's rows start at the lower border.
   const int lowest = (part.max().y() - box.max().y()) * samplesDown;
-  strip.resize(std::size_t{4} * rowSamples * rows * samplesDown);
-  samples->read({Eigen::Vector2i(left, lowest),
-                 Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
-                rowSamples, strip.data());
+  const PixelBox wanted(Eigen::Vector2i(left, lowest),
+                        Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown));
+  if (isFlat) {
+    spans.read(wanted, bytes(subject.style.background), strip);
+  } else {
+    strip.resize(std::size_t(rowSamples) * rows * samplesDown);
+    samples->read(wanted, rowSamples, strip.front().data());
+  }
   for (int row = 0; row < rows; ++row) {
-    const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * samplesDown;
+    const std::size_t first = std::size_t(rowSamples) * (rows - 1 - row) * samplesDown;
     averageRow(
-        {strip.data() + first, rowSamples, subject.opaque, samplesDown}, columns,
+        {strip[first].data(), rowSamples, subject.opaque, samplesDown}, columns,
         frame.pixels.data() + frame.rowStart(box.min().y() + row) + std::size_t{4} * box.min().x());
   }
 }
@@ -604,10 +655,19 @@ Frame Painter::paint(const Poses& poses, const Camera& camera) {
 }
 
 Frame Painter::paint(const PictureItems& items, const Camera& camera, Frame storage) {
-  parts_->context.makeCurrent();
   parts_->collectTriangles(items, camera);
   Frame frame = makeFrame(size(), parts_->subject.style.background, std::move(storage));
   const TouchedPixels touched(parts_->mesh.facets, frame.size);
+  parts_->isFlat = parts_->hasOneDepth();
+  if (parts_->isFlat) {
+    parts_->collectSpans();
+    const PixelBox whole(Eigen::Vector2i(0, 0),
+                         Eigen::Vector2i(frame.size.width, frame.size.height));
+    parts_->readMeans(whole, touched, frame);
+    return frame;
+  }
+  parts_->context.makeCurrent();
+  MeshBuffer::loadVertices(parts_->mesh.vertices);
   for (const PixelBox& part : pictureParts(touched.all(), frame.size)) {
     parts_->fitSamples(part);
     parts_->chooseTriangles(part);

@@ -57,6 +57,11 @@ picture::Camera fittedCamera(const SampleBricks& sample, picture::FrameSize size
   return picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
 }
 
+/// Thirty colours that differ.
+picture::Colour kindOf(int k) {
+  return {static_cast<std::uint8_t>(8 * k), static_cast<std::uint8_t>(240 - 7 * k), 128};
+}
+
 TEST(Painter, CoversTheAreaOfABrickSeenFromAbove) {
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 3, 2)}, 0.4);
   for (const double angle : {0.0, 0.3, 0.8, 1.4}) {
@@ -77,6 +82,37 @@ TEST(Painter, CoversTheAreaOfConcaveBricks) {
       const picture::Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
       const double expected = model::tileArea(tile) * std::pow(300 / 6.0, 2);
       EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 1e-3
+    }
+  }
+}
+
+// Second method: OpenGL, which draws the sheet if one brick is higher.
+TEST(Painter, DrawsFlatSheetsAsOpenGlDoes) {
+  std::vector<model::Tile> tiles;
+  for (int k = 0; k < 30; ++k) tiles.push_back(rectangleTile(0.9 * (k % 6), 1.1 * (k / 6), 1, 1));
+  SampleBricks sample = sampleBricks(tiles, 0.2);
+  for (int k = 0; k < 30; ++k) sample.poses[k].rotation = rotationFromVector({0, 0, 0.1 * k});
+  picture::Style style;
+  style.occlusion = style.slitWidth = 0;
+  const picture::Camera camera = parallelCamera({2.7, 2.7, 0}, picture::kTopView, 7);
+  for (const auto smoothness : {picture::Smoothness::Still, picture::Smoothness::Film}) {
+    for (const picture::FrameSize size : {picture::FrameSize{400, 301}, {97, 33}}) {
+      picture::Painter painter(size, sample.bricks, style, smoothness);
+      picture::PictureItems items{sample.poses};
+      for (int k = 0; k < 30; ++k) items.colours.push_back(picture::shadesOf(kindOf(k)));
+      const picture::Frame flat = painter.paint(items, camera);
+      // The last brick is drawn last, so that it is below the others where they overlap.
+      Poses raised = sample.poses;
+      for (int k = 0; k < 30; ++k) raised[k].position.z() -= 1e-3 * k;
+      picture::PictureItems steps{raised};
+      steps.colours = items.colours;
+      const picture::Frame byDepth = painter.paint(steps, camera);
+      long differing = 0;
+      for (int y = 0; y < size.height; ++y) {
+        for (int x = 0; x < size.width; ++x) differing += flat.at(x, y) != byDepth.at(x, y);
+      }
+      EXPECT_LE(differing, 8);  // 0 to 2, on sides that nearly touch a sample
+      EXPECT_NE(flat.at(size.width / 2, size.height / 2), style.background);
     }
   }
 }
