@@ -15,6 +15,7 @@
 #include "sim/base/words.h"
 #include "sim/formats/cut_pattern.h"
 #include "sim/formats/drawing.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_model.h"
 #include "sim/formats/tile_checks.h"
 #include "sim/generate/families.h"
@@ -104,7 +105,7 @@ int carryOut(const GenerateOrder& order) {
 
 CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
   CLI::App* command = program.add_subcommand("convert", "write a model in another format");
-  addPlace(*command, "IN", order.input, kModelHelp);
+  addPlace(*command, "IN", order.input, formats::kModelForms);
   addPlace(*command, "OUT", order.output,
            "a .fold file, an .obj file (the target goes to NAME_deployed.obj), NAME_vertices.txt "
            "for the planar files of the quasicrystal simulator, or a folder");
@@ -211,7 +212,7 @@ std::optional<std::vector<formats::DrawnPath>> ignoredLines(const InspectOrder& 
 CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   CLI::App* command =
       program.add_subcommand("inspect", "report a model's tiles, joints, mobility and faults");
-  addPlace(*command, "MODEL", order.model, kModelHelp);
+  addPlace(*command, "MODEL", order.model, formats::kModelForms);
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);

@@ -33,6 +33,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
 #include "sim/base/files.h"
+#include "sim/formats/model_formats.h"
 #include "sim/formats/read_model.h"
 
 namespace kirireel::cli {
@@ -76,7 +77,7 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
 
 /// Groups are in the order of the help.
 void addRunOptions(CLI::App& command, RecordOrder& order) {
-  addPlace(command, "MODEL", order.model, kModelHelp);
+  addPlace(command, "MODEL", order.model, formats::kModelForms);
   addFolderOptions(command, order);
   OptionGroup(command, "Output", "recording")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",

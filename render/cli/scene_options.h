@@ -75,13 +75,6 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting);
 // ------------------------------------------------------------------------------------------------
 // Models on the command line.
 
-/// The help of the argument MODEL.
-inline constexpr const char* kModelHelp =
-    "folder with vertices.txt and constraints.txt, any file of a planar model (NAME_vertices.txt "
-    "with NAME_constraints.txt in the same folder), a .fold file, a contracted .obj file, a .ply "
-    "mesh, or a "
-    "cut pattern (.svg, .dxf)";
-
 /// Adds --target. Empty if not given. The target must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 

@@ -14,6 +14,11 @@
 
 namespace kirireel::formats {
 
+/// What the path of a model may name, for help and messages.
+inline constexpr const char* kModelForms =
+    "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
+    "pattern (.svg, .dxf)";
+
 // ------------------------------------------------------------------------------------------------
 // Wavefront OBJ files: a sheet in one state, or two files with the same faces in two states.
 
@@ -42,8 +47,8 @@ void writeObjPair(const model::Model& model, const std::filesystem::path& file);
 // PLY meshes of sheets in one state.
 
 /// Reads a sheet from a PLY file (Turk 1994), ASCII or binary with either byte order. Faces are
-/// tiles. Vertex numbers that faces share are joints, see meshNumbers(), so faces with a common edge
-/// are hinged. Other elements and properties are ignored.
+/// tiles. Vertex numbers that faces share are joints, see meshNumbers(), so faces with a common
+/// edge are hinged. Other elements and properties are ignored.
 ///
 /// Throws InputError for invalid headers and numbers, files that end early,
 /// and tiles that cannot be bricks. Coordinates are in the file's unit.
@@ -158,7 +163,7 @@ model::Model readFold(const std::filesystem::path& file, const ReadSettings& set
 
 /// The tiles at one time of a run.
 struct FoldState {
-  std::string title;        ///< title of its frame
+  std::string title;               ///< title of its frame
   std::vector<model::Tile> tiles;  ///< in the order of the model's file
 };
 

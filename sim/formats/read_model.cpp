@@ -31,10 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kFormats =
-    "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
-    "pattern (.svg, .dxf)";
-
 /// Another list of joints requires a format that has the list in its own file.
 void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
@@ -85,8 +81,8 @@ model::Model readFile(const fs::path& path, const std::optional<fs::path>& targe
     // A requested target replaces the sibling, so faults in the sibling do not matter.
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings, settings);
   }
-  throw inputErrorAt({path},
-                     fmt::format("'{}' is not the ending of a model. Give {}", ending, kFormats));
+  throw inputErrorAt(
+      {path}, fmt::format("'{}' is not the ending of a model. Give {}", ending, kModelForms));
 }
 
 bool isPlanarFolder(const fs::path& folder) {
