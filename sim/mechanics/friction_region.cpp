@@ -52,7 +52,7 @@ double distanceIntegral(const Polygon& polygon, const Vector3& normal, const Vec
 
 /// The points of one convex polygon, their shares being areas.
 void appendPoints(const Polygon& polygon, const Vector3& normal, const Vector3& centroid,
-                  std::vector<RubbingPoint>& points) {
+                  std::vector<FrictionPoint>& points) {
   const std::size_t count = polygon.size();
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3 corner = polygon[k] - centroid;
@@ -87,32 +87,32 @@ Polygon hullOf(const std::vector<Vector3>& points, const Vector3& normal, double
 
 }  // namespace
 
-std::vector<RubbingPoint> evenPressure(const std::vector<Polygon>& parts) {
+std::vector<FrictionPoint> evenPressure(const std::vector<Polygon>& parts) {
   const Vector3 normal = model::tileNormal({parts.front()});
-  std::vector<RubbingPoint> points;
+  std::vector<FrictionPoint> points;
   for (const Polygon& part : parts) {
     appendPoints(part, normal, model::tileCentroid({part}), points);
   }
   double area = 0, distance = 0;
   Vector3 centroid = Vector3::Zero();
-  for (const RubbingPoint& rubbing : points) {
-    area += rubbing.share;
-    centroid += rubbing.share * rubbing.point;
+  for (const FrictionPoint& part : points) {
+    area += part.share;
+    centroid += part.share * part.point;
   }
   centroid /= area;
-  for (const RubbingPoint& rubbing : points) {
-    distance += rubbing.share * (rubbing.point - centroid).norm();
+  for (const FrictionPoint& part : points) {
+    distance += part.share * (part.point - centroid).norm();
   }
   double exact = 0;
   for (const Polygon& part : parts) exact += distanceIntegral(part, normal, centroid);
-  for (RubbingPoint& rubbing : points) {
-    rubbing.point = centroid + exact / distance * (rubbing.point - centroid);
-    rubbing.share /= area;
+  for (FrictionPoint& part : points) {
+    part.point = centroid + exact / distance * (part.point - centroid);
+    part.share /= area;
   }
   return points;
 }
 
-RubbingRegion::RubbingRegion(const std::vector<Vector3>& touching, const Vector3& normal)
+FrictionRegion::FrictionRegion(const std::vector<Vector3>& touching, const Vector3& normal)
     : normal_(normal) {
   double size = 0;
   for (const Vector3& point : touching) size = std::max(size, (point - touching.front()).norm());
@@ -129,7 +129,7 @@ RubbingRegion::RubbingRegion(const std::vector<Vector3>& touching, const Vector3
 }
 
 /// The largest scale up to 1 that keeps the hull within itself when its centroid is moved.
-double RubbingRegion::scaleFor(const Vector3& centre) const {
+double FrictionRegion::scaleFor(const Vector3& centre) const {
   if (hull_.size() == 2) {
     const Vector3 half = hull_[1] - centroid_;
     return 1 - std::abs((centre - centroid_).dot(half)) / half.squaredNorm();
@@ -142,12 +142,12 @@ double RubbingRegion::scaleFor(const Vector3& centre) const {
   return scale;
 }
 
-std::vector<RubbingPoint> RubbingRegion::points(const Vector3& centre) const {
+std::vector<FrictionPoint> FrictionRegion::points(const Vector3& centre) const {
   const double scale = scaleFor(centre);
   if (even_.empty() || !(scale > kPoint)) return {{centre, 1}};
-  std::vector<RubbingPoint> moved = even_;
-  for (RubbingPoint& rubbing : moved) {
-    rubbing.point = centre + scale * (rubbing.point - centroid_);
+  std::vector<FrictionPoint> moved = even_;
+  for (FrictionPoint& part : moved) {
+    part.point = centre + scale * (part.point - centroid_);
   }
   return moved;
 }

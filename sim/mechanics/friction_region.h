@@ -8,7 +8,7 @@
 namespace kirireel::mechanics {
 
 /// A point that carries a share of a face's normal force.
-struct RubbingPoint {
+struct FrictionPoint {
   Vector3 point;     ///< metres
   double share = 1;  ///< of the normal force, > 0; the shares of a face add up to 1
 };
@@ -16,22 +16,22 @@ struct RubbingPoint {
 /// Points for an even pressure on convex polygons in one plane that do not overlap. They have the
 /// centroid of the whole, and resist a turn about it just as the pressure does.
 /// O(corners): 4 points for each.
-std::vector<RubbingPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
+std::vector<FrictionPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
 
 /// The region of a face with friction, for any position of its normal force.
-class RubbingRegion {
+class FrictionRegion {
  public:
   /// A region in which every force acts at a single point.
-  RubbingRegion() = default;
+  FrictionRegion() = default;
 
   /// The convex hull of points that touch, in a plane across `normal`. Hulls can be points and
   /// lines.
-  RubbingRegion(const std::vector<Vector3>& touching, const Vector3& normal);
+  FrictionRegion(const std::vector<Vector3>& touching, const Vector3& normal);
 
   /// Points for a normal force at `centre`. The pressure is even on the hull if `centre` is its
   /// centroid. Otherwise it is even on the hull scaled about some point, with the largest scale
   /// <= 1 that moves its centroid to `centre`.
-  std::vector<RubbingPoint> points(const Vector3& centre) const;
+  std::vector<FrictionPoint> points(const Vector3& centre) const;
 
  private:
   double scaleFor(const Vector3& centre) const;
@@ -39,7 +39,7 @@ class RubbingRegion {
   std::vector<Vector3> hull_;  // no corners: a point, two: a line
   Vector3 normal_ = Vector3::Zero();
   Vector3 centroid_ = Vector3::Zero();
-  std::vector<RubbingPoint> even_;  // for a force at the centroid
+  std::vector<FrictionPoint> even_;  // for a force at the centroid
 };
 
 }  // namespace kirireel::mechanics

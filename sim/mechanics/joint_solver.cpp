@@ -32,11 +32,11 @@ struct StepEnd {
 };
 
 /// A plane of contacts with friction.
-struct RubbedPlane {
+struct FrictionPlane {
   std::size_t first = 0;        ///< of its contacts among all
   Vector3 normal;               ///< world axes
   std::vector<Vector3> points;  ///< of its contacts, world axes
-  RubbingRegion region;         ///< where it rubs
+  FrictionRegion region;        ///< that touches
 };
 
 /// The rows of a step's contacts. The next step starts with them.
@@ -44,8 +44,8 @@ template <int D>
 struct KeptRows {
   std::vector<ContactRow<D>> contacts;  ///< held contacts, else planes that carried load
   std::vector<ContactRow<D>> supports;
-  std::vector<ContactRow<D>> rubbing;  ///< friction of the contacts
-  double step = 1;                     ///< length of the step of these impulses, s
+  std::vector<ContactRow<D>> friction;  ///< of the contacts
+  double step = 1;                      ///< length of the step of these impulses, s
 };
 
 /// The joint solver with D degrees of freedom per brick. The functions are in the order of a step.
@@ -94,7 +94,7 @@ class Stepper : public JointSolver {
   void placeHeldRows(const Poses& poses, double step);
   void keepHeldRows(double step);
   bool solveWithFriction(const Poses& start);
-  bool boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses);
+  bool boundFriction(const std::vector<FrictionPlane>& planes, const Poses& poses);
   bool projectVelocities(Motion& motion, bool withFriction);
   bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
@@ -105,8 +105,8 @@ class Stepper : public JointSolver {
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<brick::Contact>& found, const Poses& start, double step);
   bool boundNewFriction(const Poses& start);
-  std::vector<RubbedPlane> planesThatRub(const Poses& poses, bool isHeld) const;
-  void appendRubbing(const RubbedPlane& plane, const Poses& poses, std::vector<Row>& rows) const;
+  std::vector<FrictionPlane> frictionPlanes(const Poses& poses, bool isHeld) const;
+  void appendFriction(const FrictionPlane& plane, const Poses& poses, std::vector<Row>& rows) const;
   void startRows(const Poses& start, double step, bool warm);
   void carryOver(const Row& old, const Poses& start, double step);
   void carryRegionOver(const Row* first, const Row* last, const Poses& start, double step);
@@ -319,15 +319,15 @@ bool Stepper<D>::appendRows(const std::vector<brick::Contact>& found, const Pose
 /// have no friction rows yet. The region of friction has the points that touch or push. Held
 /// contacts always touch.
 template <int D>
-std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHeld) const {
-  std::vector<RubbedPlane> planes;
+std::vector<FrictionPlane> Stepper<D>::frictionPlanes(const Poses& poses, bool isHeld) const {
+  std::vector<FrictionPlane> planes;
   const std::vector<Row>& rows = program_.contacts;
   for (auto first = rows.begin(), last = first; first != rows.end(); first = last) {
     last = endOfPlane<D>(first, rows.end());
     if (!first->hasNormal || first->contact.friction == 0) continue;
     const auto pushes = [](const Row& row) { return row.multiplier > 0; };
-    if (!isHeld && (first->isRubbed || std::none_of(first, last, pushes))) continue;
-    RubbedPlane plane;
+    if (!isHeld && (first->hasFrictionRows || std::none_of(first, last, pushes))) continue;
+    FrictionPlane plane;
     plane.first = static_cast<std::size_t>(first - rows.begin());
     plane.normal = brick::contactNormal(first->contact, poses);
     std::vector<Vector3> touching;
@@ -339,7 +339,7 @@ std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHe
       if (touches) touching.push_back(plane.points.back());
     }
     // In planar motion friction acts along one line for any points.
-    if (D == 6 && !touching.empty()) plane.region = RubbingRegion(touching, plane.normal);
+    if (D == 6 && !touching.empty()) plane.region = FrictionRegion(touching, plane.normal);
     planes.push_back(std::move(plane));
   }
   return planes;
@@ -348,8 +348,8 @@ std::vector<RubbedPlane> Stepper<D>::planesThatRub(const Poses& poses, bool isHe
 /// Appends the friction rows of a plane. They represent an even pressure. Appends nothing without
 /// pressure.
 template <int D>
-void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
-                               std::vector<Row>& rows) const {
+void Stepper<D>::appendFriction(const FrictionPlane& plane, const Poses& poses,
+                                std::vector<Row>& rows) const {
   Vector3 centre = Vector3::Zero();
   double push = 0;
   for (std::size_t k = 0; k < plane.points.size(); ++k) {
@@ -368,11 +368,11 @@ void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
     row.contact.isEdge = false;
     row.contact.normal = poseB.rotation.conjugate() * plane.normal;
   }
-  for (const RubbingPoint& rubbing : plane.region.points(centre)) {
-    row.contact.pointA = poseA.rotation.conjugate() * (rubbing.point - poseA.position);
-    row.contact.pointB = poseB.rotation.conjugate() * (rubbing.point - poseB.position);
-    row.slipShare = rubbing.share;
-    row.slipBound = row.contact.friction * rubbing.share * push;
+  for (const FrictionPoint& part : plane.region.points(centre)) {
+    row.contact.pointA = poseA.rotation.conjugate() * (part.point - poseA.position);
+    row.contact.pointB = poseB.rotation.conjugate() * (part.point - poseB.position);
+    row.slipShare = part.share;
+    row.slipBound = row.contact.friction * part.share * push;
     placeRow(row, poses);
     holdPinned(row);
     rows.push_back(row);
@@ -383,10 +383,10 @@ void Stepper<D>::appendRubbing(const RubbedPlane& plane, const Poses& poses,
 template <int D>
 bool Stepper<D>::boundNewFriction(const Poses& start) {
   std::vector<Row> found;
-  for (const RubbedPlane& plane : planesThatRub(start, false)) {
+  for (const FrictionPlane& plane : frictionPlanes(start, false)) {
     const std::size_t before = found.size();
-    appendRubbing(plane, start, found);
-    program_.contacts[plane.first].isRubbed = found.size() > before;
+    appendFriction(plane, start, found);
+    program_.contacts[plane.first].hasFrictionRows = found.size() > before;
   }
   program_.contacts.insert(program_.contacts.end(), found.begin(), found.end());
   return !found.empty();
@@ -414,11 +414,11 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   }
   // The friction of these planes starts with the bound and the impulse of the last step.
   if (!boundNewFriction(start)) return;
-  auto old = kept_.rubbing.begin();
+  auto old = kept_.friction.begin();
   for (Row& row : program_.contacts) {
     if (row.slipShare == 0) continue;
-    while (old != kept_.rubbing.end() && !onOnePlane(old->contact, row.contact)) ++old;
-    if (old == kept_.rubbing.end()) break;
+    while (old != kept_.friction.end() && !onOnePlane(old->contact, row.contact)) ++old;
+    if (old == kept_.friction.end()) break;
     row.slipMultiplier = step / kept_.step * (old++)->slipMultiplier;
   }
 }
@@ -590,13 +590,13 @@ void Stepper<D>::keepMultipliers(double step) {
   kept_.step = multiplierStep_ = step;
   kept_.contacts.clear();
   kept_.supports.clear();
-  kept_.rubbing.clear();
+  kept_.friction.clear();
   const std::vector<Row>& rows = program_.contacts;
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = endOfPlane<D>(first, rows.end());
     const bool loaded = std::any_of(first, last, [](const Row& row) { return row.multiplier > 0; });
     if (!first->hasNormal) {
-      (first->slipShare > 0 ? kept_.rubbing : kept_.supports).push_back(*first);
+      (first->slipShare > 0 ? kept_.friction : kept_.supports).push_back(*first);
     } else if (loaded) {
       kept_.contacts.insert(kept_.contacts.end(), first, last);
     }
@@ -671,7 +671,7 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
 template <int D>
 std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   std::vector<TouchForce> forces;
-  for (const auto* rows : {&kept_.contacts, &kept_.supports, &kept_.rubbing}) {
+  for (const auto* rows : {&kept_.contacts, &kept_.supports, &kept_.friction}) {
     for (Row row : *rows) {
       placeRow(row, poses);
       // The velocity of a brick's point along a direction begins with that direction.
@@ -758,8 +758,8 @@ void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
   // Friction rows are in the order of the planes.
   auto plane = kept_.contacts.begin();
   double push = 0;
-  for (auto old = kept_.rubbing.begin(); old != kept_.rubbing.end(); ++old) {
-    if (old == kept_.rubbing.begin() || !onOnePlane(old->contact, std::prev(old)->contact)) {
+  for (auto old = kept_.friction.begin(); old != kept_.friction.end(); ++old) {
+    if (old == kept_.friction.begin() || !onOnePlane(old->contact, std::prev(old)->contact)) {
       push = 0;
       const auto isOfPlane = [&](const Row& row) { return onOnePlane(row.contact, old->contact); };
       plane = std::find_if(plane, kept_.contacts.end(), isOfPlane);
@@ -780,10 +780,10 @@ void Stepper<D>::keepHeldRows(double step) {
   kept_.step = step;
   kept_.contacts.clear();
   kept_.supports.clear();
-  kept_.rubbing.clear();
+  kept_.friction.clear();
   for (const Row& row : program_.contacts) {
     (row.hasNormal       ? kept_.contacts
-     : row.slipShare > 0 ? kept_.rubbing
+     : row.slipShare > 0 ? kept_.friction
                          : kept_.supports)
         .push_back(row);
   }
@@ -796,7 +796,7 @@ double Stepper<D>::stickSlipSpeed(const Motion& start) const {
     velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);
   }
   double fastest = 0;
-  for (const std::vector<Row>* rows : {&kept_.rubbing, &kept_.supports}) {
+  for (const std::vector<Row>* rows : {&kept_.friction, &kept_.supports}) {
     for (Row row : *rows) {
       const bool sticks = row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
       if (!sticks) continue;
@@ -811,7 +811,7 @@ double Stepper<D>::stickSlipSpeed(const Motion& start) const {
 /// of the last one. One additional round of multipliers makes impulses as accurate as speeds.
 template <int D>
 bool Stepper<D>::solveWithFriction(const Poses& start) {
-  const std::vector<RubbedPlane> planes = planesThatRub(start, true);
+  const std::vector<FrictionPlane> planes = frictionPlanes(start, true);
   for (int round = 0; round < kFrictionRounds; ++round) {
     if (!solveVelocities(start)) return false;
     if (program_.contacts.empty()) return true;
@@ -824,13 +824,13 @@ bool Stepper<D>::solveWithFriction(const Poses& start) {
 /// Sets points and bounds of friction from the normal impulses. Returns whether any changed.
 /// Friction rows are the last ones.
 template <int D>
-bool Stepper<D>::boundFriction(const std::vector<RubbedPlane>& planes, const Poses& poses) {
+bool Stepper<D>::boundFriction(const std::vector<FrictionPlane>& planes, const Poses& poses) {
   std::vector<Row>& rows = program_.contacts;
-  const auto rubs = [](const Row& row) { return row.slipShare > 0; };
-  const std::span<Row> before(std::ranges::find_if(rows, rubs), rows.end());
+  const auto hasFriction = [](const Row& row) { return row.slipShare > 0; };
+  const std::span<Row> before(std::ranges::find_if(rows, hasFriction), rows.end());
   std::vector<Row> now;
   now.reserve(before.size());
-  for (const RubbedPlane& plane : planes) appendRubbing(plane, poses, now);
+  for (const FrictionPlane& plane : planes) appendFriction(plane, poses, now);
   bool changed = before.size() != now.size();
   for (std::size_t r = 0; r < now.size() && r < before.size(); ++r) {
     const Row& old = before[r];
@@ -898,7 +898,7 @@ double Stepper<D>::energy(const Motion& motion) const {
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
   tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_.contacts,
-                kept_.supports, kept_.rubbing, kept_.step, standstill_, system_);
+                kept_.supports, kept_.friction, kept_.step, standstill_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }

@@ -185,7 +185,7 @@ struct ContactRow {
   /// For a friction row of a plane of contacts: its share of their normal force; else 0.
   double slipShare = 0;
 
-  bool isRubbed = false;  ///< first of a plane that has separate friction rows
+  bool hasFrictionRows = false;  ///< first of a plane that has separate friction rows
   // The state of the current factor.
   bool active = false;                                  ///< whether the normal pushes
   TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho

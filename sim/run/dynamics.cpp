@@ -42,9 +42,8 @@ std::vector<mechanics::Support> frictionOnGround(const scene::Environment& envir
     parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
   }
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (const mechanics::RubbingPoint& rubbing : mechanics::evenPressure(parts[i])) {
-      supports.push_back(
-          {static_cast<int>(i), rubbing.point, push * bricks[i].mass * rubbing.share});
+    for (const mechanics::FrictionPoint& part : mechanics::evenPressure(parts[i])) {
+      supports.push_back({static_cast<int>(i), part.point, push * bricks[i].mass * part.share});
     }
   }
   return supports;
@@ -167,7 +166,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
       substeps_(scene.solver.substeps.value_or(1)),
       keepsEnergy_(!scene::dynamicTies(scene, bricks).pairForces.empty()),
       isLying_(liesOnGround(scene, needs)),
-      isRubbing_(!groundSupports(scene, needs, bricks).empty()),
+      hasGroundFriction_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
@@ -228,7 +227,7 @@ StepReport DirectDynamics::advance(Motion& motion, double step,
 void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
   contacts::ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
   toleranceSteps_ = std::make_unique<ToleranceSteps>(
-      bricks_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
+      bricks_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, hasGroundFriction_},
       mechanics::ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_,
                                        keepsEnergy_},
       tolerance.firstOrderStep);

@@ -101,7 +101,7 @@ class Dynamics {
   virtual void transfer(StateTape& tape) = 0;
 };
 
-/// Whole planes while springs pull to a target: bricks that are wedged reach it only if faces
+/// Whole planes while springs pull to a target: jammed bricks reach it only if faces
 /// guide them beyond their borders. Else the regions in which faces overlap.
 contacts::FaceContact faceContactOf(const scene::Scene& scene);
 
@@ -153,7 +153,7 @@ class DirectDynamics : public Dynamics {
   int substeps_;
   bool keepsEnergy_;                                   // in steps to a tolerance
   bool isLying_;                                       // planar bricks on a ground, with weight
-  bool isRubbing_;                                     // the same, with friction
+  bool hasGroundFriction_;                             // the same, with friction
   bool isPinned_ = false;                              // some brick
   double touching_;                                    // gap of points that touch, metres
   std::unique_ptr<contacts::ContactFinder> contacts_;  // null if there are no contacts

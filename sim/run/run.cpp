@@ -453,7 +453,7 @@ void Run::resumeFrom(const RunState& state) {
 // Reasons for the end of a run. If it misses its target, the first reason that applies is reported.
 // Each states a fact that was measured in the last state:
 // 1. The timeline switched the springs off.
-// 2. Friction on the ground can hold each tile, and the joints alone would not.
+// 2. Friction on the ground can hold each tile, but joints without friction would not.
 // 3. Contacts carry load, and nothing but the pull can press them.
 // 4. Steps fail, and no brick moves.
 // 5. The joints leave no freedom.

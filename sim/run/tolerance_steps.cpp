@@ -59,9 +59,9 @@ double momentOfClosing(const brick::Contact& closing, const Motion& from, const 
 
 }  // namespace
 
-/// Whether bricks would touch at the end of a step that do not yet, or have passed through each
-/// other in it.
-bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
+/// Whether bricks touch or pass through each other in a step. Touching pairs of its start do not
+/// count.
+bool ToleranceSteps::touchInStep(const Motion& from, const Motion& to, double seconds) {
   if (!contacts_.exact) return false;
   std::vector<brick::Contact> violated;
   contacts_.exact->startStep(from.poses);
@@ -118,7 +118,7 @@ void ToleranceSteps::setHeld(std::vector<brick::Contact> contacts) {
   const auto isHeld = [](const brick::Contact& contact) {
     return !brick::isBrick(contact.brickA) || !brick::isBrick(contact.brickB);
   };
-  extrapolation_.setSupported(isPinned_ || contacts_.isRubbing ||
+  extrapolation_.setSupported(isPinned_ || contacts_.hasGroundFriction ||
                               std::ranges::any_of(contacts, isHeld));
   solver_.holdContacts(contacts);
 }
@@ -174,7 +174,7 @@ double ToleranceSteps::collide(double now, const std::vector<brick::Contact>& cl
 double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
                                        const mechanics::TimedLoads& loads, StepReport& report) {
   const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
-    return !meetOnTheWay(from, to, length) && !leaveBorders(from, to, length);
+    return !touchInStep(from, to, length) && !leaveBorders(from, to, length);
   };
   double done = 0;
   const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
@@ -237,7 +237,7 @@ StepReport ToleranceSteps::advance(Motion& motion, double seconds,
   const double done = isWaiting ? 0 : advanceByOrders(motion, seconds, loads, report);
   if (done >= (1 - kSameMoment) * seconds) return report;
   const bool touch =
-      isWaiting || contacts_.isRubbing || meeting_ || !solver_.heldContacts().empty();
+      isWaiting || contacts_.hasGroundFriction || meeting_ || !solver_.heldContacts().empty();
   (touch ? report.touchingTime : report.singularTime) += seconds - done;
   if (touch && !isWaiting) callsToWait_ = kCallsToWait;
   // The last state is repeated as the start of the steps that follow.

@@ -19,9 +19,9 @@ struct ToleranceContacts {
   contacts::ContactFinder* coarse =
       nullptr;  ///< for steps of first order; null if no contact is possible
   contacts::ContactFinder* exact =
-      nullptr;  ///< for steps to the tolerance; null if no contact is possible
-  double touching = 0;                       ///< gap of points that touch, metres
-  bool isRubbing = false;                    ///< planar bricks rub on a ground with friction
+      nullptr;                     ///< for steps to the tolerance; null if no contact is possible
+  double touching = 0;             ///< gap of points that touch, metres
+  bool hasGroundFriction = false;  ///< planar bricks lie on a ground with friction
 };
 
 /// Takes steps that keep a tolerance while contacts are held, and steps of first order if that is
@@ -51,7 +51,7 @@ class ToleranceSteps {
   void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_); }
 
  private:
-  bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
+  bool touchInStep(const Motion& from, const Motion& to, double seconds);
   bool leaveBorders(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
   double momentOfLeaving() const;
