@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -25,29 +27,174 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A curve that depends only on poses: its column in tables, in metres, and its channel.
-struct ShapeCurve {
-  const char* column;
-  const char* channel;
-  const char* unit;
-  const char* description;
+/// What the curves of a sample are computed from.
+struct Figures {
+  const Subject& subject;
+  const Sample& sample;
+  std::vector<model::Tile> tiles;
+  Vector3 sides;                 ///< of the box around the tiles, metres
+  HullSize hull;                 ///< seen from above, as the two below
+  double covered = kNone;        ///< area, square metres
+  double poissonsRatio = kNone;  ///< since the start
+  std::vector<double> openings;  ///< of the joints, radians
 };
-constexpr ShapeCurve kShapeCurves[] = {
-    {"width_m", "width", "m", "of the box around the tiles along x"},
-    {"height_m", "height", "m", "of the box around the tiles along y"},
-    {"depth_m", "depth", "m", "of the box around the tiles along z"},
-    {"hull_area_m2", "hull_area", "m^2", "within the convex outline of the tiles"},
-    {"covered_area_m2", "covered_area", "m^2", "of tiles that lie in one plane"},
-    {"hull_perimeter_m", "hull_perimeter", "m", "of the convex outline"},
-    {"porosity", "porosity", "1", "1 - covered / hull"},
-    {"poissons_ratio", "poissons_ratio", "1",
-     "since the start, of logarithmic strains of the tiles' centres"},
-    {"opening_least_deg", "opening_least", "degree", "least turn of joined tiles since the start"},
-    {"opening_mean_deg", "opening_mean", "degree", "mean turn of joined tiles since the start"},
-    {"opening_largest_deg", "opening_largest", "degree",
-     "largest turn of joined tiles since the start"}};
 
-/// Measures the shape of successive samples.
+/// A curve. Those that depend only on poses have a description: trajectory.h5 stores them.
+struct CurveRow {
+  const char* group;  ///< the diagram
+  const char* unit;   ///< in metres
+  const char* name;
+  const char* column;
+  double (*value)(const Figures&);
+  const char* description = nullptr;
+  bool isLogarithmic = false;
+};
+
+/// A value of runs with dynamics; NaN for others.
+double energy(const Figures& figures, double Energies::*value) {
+  return figures.sample.mechanics ? figures.sample.mechanics->energies.*value : kNone;
+}
+
+/// A figure of the forces of the joints; NaN if forces do not balance.
+double jointForce(const Figures& figures, double (*value)(const std::vector<double>&)) {
+  if (!figures.sample.mechanics) return kNone;
+  std::vector<double> forces;
+  for (const Vector3& force : figures.sample.mechanics->jointForces) forces.push_back(force.norm());
+  return forces.empty() || std::isnan(forces.front()) ? kNone : value(forces);
+}
+
+double largestIndeterminate(const Figures& figures) {
+  double largest = kNone;
+  if (!figures.sample.mechanics) return largest;
+  const auto& [energies, forces, isIndeterminate, holds] = *figures.sample.mechanics;
+  for (std::size_t j = 0; j < forces.size(); ++j) {
+    // fmax drops a NaN.
+    if (isIndeterminate[j]) largest = std::fmax(largest, forces[j].norm());
+  }
+  return largest;
+}
+
+/// The largest force of pins, of grips or of contacts.
+double largestHold(const Figures& figures, HoldKind kind) {
+  double largest = kNone;
+  if (!figures.sample.mechanics) return largest;
+  for (const Hold& hold : figures.sample.mechanics->holds) {
+    if (hold.kind == kind) largest = std::fmax(largest, hold.force.norm());
+  }
+  return largest;
+}
+
+/// Of the vertices.
+double meanTargetError(const Figures& figures) {
+  const std::optional<std::vector<model::Tile>>& target = figures.subject.model.target;
+  if (!target) return kNone;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < figures.tiles.size(); ++i) {
+    for (std::size_t k = 0; k < figures.tiles[i].vertices.size(); ++k, ++count) {
+      sum += (figures.tiles[i].vertices[k] - (*target)[i].vertices[k]).norm();
+    }
+  }
+  return sum / count;
+}
+
+/// The largest distance of a vertex from the mean of all, metres.
+double largestRadius(const Figures& figures) {
+  Vector3 mean = Vector3::Zero();
+  double count = 0, radius = 0;
+  for (const model::Tile& tile : figures.tiles) {
+    for (const Vector3& vertex : tile.vertices) mean += vertex;
+    count += static_cast<double>(tile.vertices.size());
+  }
+  mean /= count;
+  for (const model::Tile& tile : figures.tiles) {
+    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
+  }
+  return radius;
+}
+
+double least(const std::vector<double>& values) {
+  return values.empty() ? kNone : std::ranges::min(values);
+}
+
+double mean(const std::vector<double>& values) {
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return values.empty() ? kNone : sum / static_cast<double>(values.size());
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? kNone : std::ranges::max(values);
+}
+
+using F = const Figures&;
+/// All curves of a run, except those of each joint. Rows of one diagram are consecutive.
+constexpr CurveRow kCurves[] = {
+    {"Size", "m", "width", "width_m", [](F f) { return f.sides.x(); },
+     "of the box around the tiles along x"},
+    {"Size", "m", "height", "height_m", [](F f) { return f.sides.y(); },
+     "of the box around the tiles along y"},
+    {"Size", "m", "depth", "depth_m", [](F f) { return f.sides.z(); },
+     "of the box around the tiles along z"},
+    {"Area", "m²", "hull", "hull_area_m2", [](F f) { return f.hull.area; },
+     "within the convex outline of the tiles"},
+    {"Area", "m²", "covered", "covered_area_m2", [](F f) { return f.covered; },
+     "of tiles that lie in one plane"},
+    {"Hull perimeter", "m", "hull perimeter", "hull_perimeter_m",
+     [](F f) { return f.hull.perimeter; }, "of the convex outline"},
+    {"Porosity", "", "porosity", "porosity", [](F f) { return 1 - f.covered / f.hull.area; },
+     "1 - covered / hull"},
+    {"Poisson's ratio", "", "Poisson's ratio", "poissons_ratio",
+     [](F f) { return f.poissonsRatio; },
+     "since the start, of logarithmic strains of the tiles' centres"},
+    {"Opening", "degrees", "least", "opening_least_deg",
+     [](F f) { return least(f.openings) / kDegree; }, "least turn of joined tiles since the start"},
+    {"Opening", "degrees", "mean", "opening_mean_deg",
+     [](F f) { return mean(f.openings) / kDegree; }, "mean turn of joined tiles since the start"},
+    {"Opening", "degrees", "largest", "opening_largest_deg",
+     [](F f) { return largest(f.openings) / kDegree; },
+     "largest turn of joined tiles since the start"},
+    {"Energy", "J", "kinetic", "kinetic_energy_J",
+     [](F f) { return energy(f, &Energies::kinetic); }},
+    {"Energy", "J", "springs", "spring_energy_J", [](F f) { return energy(f, &Energies::spring); }},
+    {"Energy", "J", "hinges", "elastic_energy_J",
+     [](F f) { return f.subject.pairForces.empty() ? kNone : energy(f, &Energies::elastic); }},
+    {"Work of the drives", "J", "work of the drives", "work_J",
+     [](F f) { return energy(f, &Energies::work); }},
+    {"Lost energy", "J", "dampers", "damped_J", [](F f) { return energy(f, &Energies::damped); }},
+    {"Lost energy", "J", "contacts and pins", "impacted_J",
+     [](F f) { return energy(f, &Energies::impacted); }},
+    {"Lost energy", "J", "integrator", "integrated_J",
+     [](F f) { return f.sample.mechanics ? f.sample.mechanics->energies.integrated() : kNone; }},
+    {"Joint force", "N", "mean", "joint_force_mean_N", [](F f) { return jointForce(f, mean); }},
+    {"Joint force", "N", "largest", "joint_force_largest_N",
+     [](F f) { return jointForce(f, largest); }},
+    {"Joint force", "N", "largest indeterminate", "joint_force_indeterminate_N",
+     largestIndeterminate},
+    {"Force on held tiles", "N", "pins", "pin_force_N",
+     [](F f) { return largestHold(f, HoldKind::Pin); }},
+    {"Force on held tiles", "N", "grips", "grip_force_N",
+     [](F f) { return largestHold(f, HoldKind::Grip); }},
+    {"Force on held tiles", "N", "contacts", "contact_force_N",
+     [](F f) { return largestHold(f, HoldKind::Contact); }},
+    {"Target error", "m", "largest", "target_error_m",
+     [](F f) { return f.subject.model.target ? f.sample.targetError : kNone; }, nullptr, true},
+    {"Target error", "m", "mean", "target_error_mean_m", meanTargetError, nullptr, true},
+    {"Joint gap", "m", "joint gap", "joint_gap_m",
+     [](F f) { return f.subject.model.joints.empty() ? kNone : f.sample.jointGap; }, nullptr, true},
+    {"Overlap", "m", "overlap", "penetration_m", [](F f) { return f.sample.penetration; }, nullptr,
+     true},
+    {"Radius", "m", "radius", "radius_m", largestRadius}};
+
+/// The channel of a curve in trajectory.h5: its column without the unit.
+Channel channelOf(const CurveRow& row) {
+  static const std::map<std::string_view, std::pair<const char*, const char*>> kUnits = {
+      {"m", {"m", "_m"}}, {"m²", {"m^2", "_m2"}}, {"", {"1", ""}}, {"degrees", {"degree", "_deg"}}};
+  const auto& [unit, ending] = kUnits.at(row.unit);
+  const std::string column = row.column;
+  return {column.substr(0, column.size() - std::strlen(ending)), unit, row.description, 0};
+}
+
+/// Measures successive samples.
 class ShapeMeter final : public SampleMeter {
  public:
   explicit ShapeMeter(const Subject& subject)
@@ -57,8 +204,8 @@ class ShapeMeter final : public SampleMeter {
 
   std::vector<Channel> channels() const override {
     std::vector<Channel> channels;
-    for (const ShapeCurve& curve : kShapeCurves) {
-      channels.push_back({curve.channel, curve.unit, curve.description, 0});
+    for (const CurveRow& row : kCurves) {
+      if (row.description) channels.push_back(channelOf(row));
     }
     const std::size_t joints = subject_.model.joints.size();
     if (joints > 0) {
@@ -69,81 +216,31 @@ class ShapeMeter final : public SampleMeter {
   }
 
   std::vector<double> measure(const Sample& sample) override {
-    const std::vector<model::Tile> tiles = brick::bottomTiles(subject_.bricks, sample.poses);
-    const Vector3 sides = boxSides(tiles);
-    const std::vector<model::Tile> seen = model::toFrame(frame_, tiles);
-    const HullSize hull = hullSize(seen);
-    const double covered = coveredArea(seen).value_or(kNone);
-    std::vector<double> values = {sides.x(),
-                                  sides.y(),
-                                  sides.z(),
-                                  hull.area,
-                                  covered,
-                                  hull.perimeter,
-                                  1 - covered / hull.area,
-                                  poissonsRatio(tilesAtStart_, seen).value_or(kNone)};
-    const std::vector<double> angles = openingAngles(subject_.model.joints, sample.poses);
-    for (const double angle : spread(angles)) values.push_back(angle / kDegree);
-    for (const double angle : angles) values.push_back(angle / kDegree);
+    const Figures figures = figuresOf(sample);
+    std::vector<double> values;
+    for (const CurveRow& row : kCurves) {
+      if (row.description) values.push_back(row.value(figures));
+    }
+    for (const double opening : figures.openings) values.push_back(opening / kDegree);
     return values;
   }
 
- private:
-  /// Least, mean and largest.
-  static std::vector<double> spread(const std::vector<double>& values) {
-    if (values.empty()) return {kNone, kNone, kNone};
-    const auto [least, largest] = std::ranges::minmax_element(values);
-    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-    return {*least, sum / static_cast<double>(values.size()), *largest};
+  Figures figuresOf(const Sample& sample) const {
+    Figures figures{subject_, sample, brick::bottomTiles(subject_.bricks, sample.poses)};
+    figures.sides = boxSides(figures.tiles);
+    const std::vector<model::Tile> seen = model::toFrame(frame_, figures.tiles);
+    figures.hull = hullSize(seen);
+    figures.covered = coveredArea(seen).value_or(kNone);
+    figures.poissonsRatio = poissonsRatio(tilesAtStart_, seen).value_or(kNone);
+    figures.openings = openingAngles(subject_.model.joints, sample.poses);
+    return figures;
   }
 
+ private:
   const Subject& subject_;
   model::SheetFrame frame_;
   std::vector<model::Tile> tilesAtStart_;  // in the frame
 };
-
-/// Mean and largest force of the joints, and the largest of those that are indeterminate.
-std::vector<double> jointForceValues(const Mechanics& mechanics) {
-  // If forces do not balance, all are absent.
-  if (mechanics.jointForces.empty() || mechanics.jointForces.front().hasNaN()) {
-    return {kNone, kNone, kNone};
-  }
-  double sum = 0, largest = 0, uncertain = kNone;
-  for (std::size_t j = 0; j < mechanics.jointForces.size(); ++j) {
-    const double force = mechanics.jointForces[j].norm();
-    sum += force;
-    largest = std::max(largest, force);
-    // fmax drops a NaN: the first force takes its place.
-    if (mechanics.isIndeterminate[j]) uncertain = std::fmax(uncertain, force);
-  }
-  return {sum / static_cast<double>(mechanics.jointForces.size()), largest, uncertain};
-}
-
-/// The largest force of pins, of grips and of contacts.
-std::vector<double> holdValues(const Mechanics& mechanics) {
-  std::vector<double> largest(3, kNone);
-  for (const Hold& hold : mechanics.holds) {
-    double& value = largest[static_cast<std::size_t>(hold.kind)];
-    value = std::fmax(value, hold.force.norm());
-  }
-  return largest;
-}
-
-/// The curves from energies to forces, in order; NaN where a run has none.
-std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics,
-                                    bool havePairForces) {
-  // 3 energies, the work, 3 losses, 3 of joint forces, 3 of holds.
-  std::vector<double> values(13, kNone);
-  if (!mechanics) return values;
-  const Energies& energies = mechanics->energies;
-  const double elastic = havePairForces ? energies.elastic : kNone;
-  values = {energies.kinetic,  energies.spring,      elastic, energies.work, energies.damped,
-            energies.impacted, energies.integrated()};
-  for (const auto& more : {jointForceValues(*mechanics), holdValues(*mechanics)}) {
-    values.insert(values.end(), more.begin(), more.end());
-  }
-  return values;
-}
 
 std::vector<Curve> emptyJointCurves(const model::Model& model, bool haveForces) {
   std::vector<Curve> curves;
@@ -164,39 +261,12 @@ std::vector<Curve> emptyJointCurves(const model::Model& model, bool haveForces) 
 void appendJoints(std::span<const double> openings, const std::optional<Mechanics>& mechanics,
                   std::vector<Curve>& curves) {
   auto curve = curves.begin();
-  for (const double opening : openings) (curve++)->values.push_back(opening);
+  for (const double opening : openings) (curve++)->values.push_back(opening / kDegree);
   if (!mechanics) return;
   for (std::size_t j = 0; j < openings.size(); ++j) {
     (curve++)->values.push_back(mechanics->jointForces[j].norm());
     (curve++)->values.push_back(mechanics->isIndeterminate[j] ? 1 : 0);
   }
-}
-
-/// The mean distance of vertices from corresponding ones, metres.
-double meanDistance(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& others) {
-  double sum = 0;
-  int count = 0;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k, ++count) {
-      sum += (tiles[i].vertices[k] - others[i].vertices[k]).norm();
-    }
-  }
-  return sum / count;
-}
-
-/// The largest distance of a vertex from the mean of all, metres.
-double radiusOf(const std::vector<model::Tile>& tiles) {
-  Vector3 mean = Vector3::Zero();
-  double count = 0, radius = 0;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) mean += vertex;
-    count += static_cast<double>(tile.vertices.size());
-  }
-  mean /= count;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
-  }
-  return radius;
 }
 
 double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time) {
@@ -222,56 +292,17 @@ bool CurveGroup::hasLine() const {
   return std::ranges::any_of(curves, &Curve::hasLine);
 }
 
-// The shape's groups come first, in the order of their table. Names of metres are replaced by those
-// of the unit at the end.
 std::vector<CurveGroup> curveGroups(const LengthUnit& unit) {
-  std::vector<CurveGroup> groups = {
-      {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
-      {"Area", "m²", false, {{"hull"}, {"covered"}}},
-      {"Hull perimeter", "m", false, {{"hull perimeter"}}},
-      {"Porosity", "", false, {{"porosity"}}},
-      {"Poisson's ratio", "", false, {{"Poisson's ratio"}}},
-      {"Opening", "degrees", false, {{"least"}, {"mean"}, {"largest"}}}};
-  // The names of columns come from the table above, in its order.
-  const ShapeCurve* shape = kShapeCurves;
-  for (CurveGroup& group : groups) {
-    for (Curve& curve : group.curves) curve.column = (shape++)->column;
-  }
-  const std::vector<CurveGroup> more = {
-      {"Energy",
-       "J",
-       false,
-       {{"kinetic", "kinetic_energy_J"},
-        {"springs", "spring_energy_J"},
-        {"hinges", "elastic_energy_J"}}},
-      {"Work of the drives", "J", false, {{"work of the drives", "work_J"}}},
-      {"Lost energy",
-       "J",
-       false,
-       {{"dampers", "damped_J"},
-        {"contacts and pins", "impacted_J"},
-        {"integrator", "integrated_J"}}},
-      {"Joint force",
-       "N",
-       false,
-       {{"mean", "joint_force_mean_N"},
-        {"largest", "joint_force_largest_N"},
-        {"largest indeterminate", "joint_force_indeterminate_N"}}},
-      {"Force on held tiles",
-       "N",
-       false,
-       {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
-      {"Target error", "m", true, {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
-      {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
-      {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
-      {"Radius", "m", false, {{"radius", "radius_m"}}}};
-  groups.insert(groups.end(), more.begin(), more.end());
-  for (CurveGroup& group : groups) {
-    group.lengthPower = group.unit == "m" ? 1 : group.unit == "m²" ? 2 : 0;
-    if (group.lengthPower == 0) continue;
-    group.unit.replace(0, 1, unit.name);
-    for (Curve& curve : group.curves)
-      curve.column.replace(curve.column.rfind("_m") + 1, 1, unit.name);
+  std::vector<CurveGroup> groups;
+  for (const CurveRow& row : kCurves) {
+    if (groups.empty() || groups.back().name != row.group) {
+      const int power = row.unit == std::string("m") ? 1 : row.unit == std::string("m²") ? 2 : 0;
+      groups.push_back({row.group, row.unit, row.isLogarithmic, {}, power});
+      if (power > 0) groups.back().unit.replace(0, 1, unit.name);
+    }
+    std::string column = row.column;
+    if (groups.back().lengthPower > 0) column.replace(column.rfind("_m") + 1, 1, unit.name);
+    groups.back().curves.push_back({row.name, column, {}});
   }
   return groups;
 }
@@ -285,26 +316,18 @@ RunCurves curvesOf(const TrajectoryReader& run) {
   const LengthUnit& unit = subject.model.unit;
   RunCurves result{run.times(), curveGroups(unit),
                    emptyJointCurves(subject.model, run.hasMechanics())};
-  ShapeMeter meter(subject);
+  const ShapeMeter meter(subject);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
-    const Sample at = run.sample(k);
-    const std::vector<double> shape = meter.measure(at);
-    const auto joints = shape.begin() + std::size(kShapeCurves);
-    std::vector<double> values(shape.begin(), joints);
-    for (const double value : mechanicsValues(at.mechanics, !subject.pairForces.empty()))
-      values.push_back(value);
-    const std::vector<model::Tile> tiles = brick::bottomTiles(subject.bricks, at.poses);
-    const std::optional<std::vector<model::Tile>>& target = subject.model.target;
-    values.insert(
-        values.end(),
-        {target ? at.targetError : kNone, target ? meanDistance(tiles, *target) : kNone,
-         subject.model.joints.empty() ? kNone : at.jointGap, at.penetration, radiusOf(tiles)});
-    auto value = values.begin();
+    const Sample sample = run.sample(k);
+    const Figures figures = meter.figuresOf(sample);
+    const CurveRow* row = kCurves;
     for (CurveGroup& group : result.groups) {
       const LengthUnit power{"", std::pow(unit.metres, group.lengthPower)};
-      for (Curve& curve : group.curves) curve.values.push_back(inUnit(*value++, power));
+      for (Curve& curve : group.curves) {
+        curve.values.push_back(inUnit((row++)->value(figures), power));
+      }
     }
-    appendJoints({joints, shape.end()}, at.mechanics, result.joints);
+    appendJoints(figures.openings, sample.mechanics, result.joints);
   }
   return result;
 }
@@ -324,8 +347,8 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
 // ------------------------------------------------------------------------------------------------
 // Sizes of a whole state. The area within a closed outline p_0 ... p_(n-1) is the shoelace sum 1/2
 // sum (x_k y_(k+1) - x_(k+1) y_k), taken about the first corner. Poisson's ratio uses logarithmic
-// strains, which add up over successive deformations: it does not depend on the state that
-// is taken for the start as long as the ratio itself is constant.
+// strains, which add up over successive deformations. A constant ratio therefore does not depend on
+// the start.
 
 namespace {
 
