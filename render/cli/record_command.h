@@ -36,8 +36,8 @@ struct OrderText {
 OrderText orderText(CLI::App& command, const scene::Scene& scene,
                     const scene::SceneFile& sceneFile);
 
-/// A command's name and its current options, for commands without a scene file.
-/// Conditions are those of a scene with defaults.
+/// A command's name and its current options, for commands without a scene file. Conditions are
+/// those of a scene with defaults.
 std::string parametersText(CLI::App& command);
 
 /// The input files of a run. A file that is read twice is listed twice.

@@ -456,8 +456,7 @@ class RunOrders {
     }
   }
 
-  /// The fingerprint of this run, valid or not. `known` is the sweep's
-  /// cache of input files.
+  /// The fingerprint of this run, valid or not. `known` is the sweep's cache of input files.
   std::string fingerprint(std::map<std::string, OrderInputs>& known) {
     try {
       complete();

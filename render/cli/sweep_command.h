@@ -44,8 +44,7 @@ void completeOrder(const CLI::App& command, SweepOrder& order);
 
 /// Does the missing runs. Then collects all results, except for one shard of several. Returns the
 /// exit code: 1 if a run has failed (missing its target is not a failure), 4 after a signal. Throws
-/// InputError for an invalid sweep file, OutputError if the folder cannot be
-/// written.
+/// InputError for an invalid sweep file, OutputError if the folder cannot be written.
 int carryOut(const SweepOrder& order);
 
 // ------------------------------------------------------------------------------------------------

@@ -40,9 +40,8 @@
 namespace kirireel::fea {
 namespace {
 
-/// Larger sheets have sets only on request. A tile has at least nine sets, and
-/// programs search all names for each name: the reading time is quadratic in the
-/// number of sets.
+/// Larger sheets have sets only on request. A tile has at least nine sets, and programs search all
+/// names for each name: the reading time is quadratic in the number of sets.
 constexpr std::size_t kMostTilesWithSets = 1000;
 
 const char* jointWord(const ElementMesh& mesh) {
@@ -78,9 +77,8 @@ std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*len
   return to.starts_with(from + " ") ? to : from + " to " + to;
 }
 
-/// Appends the equivalent hinge stiffness of the necks, a check of the order of
-/// magnitude: E modulus, t thickness, w width and L length of the necks, see
-/// sim/brick/stiffness.h.
+/// Appends the equivalent hinge stiffness of the necks, a check of the order of magnitude: E
+/// modulus, t thickness, w width and L length of the necks, see sim/brick/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                          double thickness) {
   std::vector<double> found;

@@ -721,8 +721,8 @@ class SharedPoints {
 /// Cuts a triangle into three quadrilaterals of n x n cells each. The one at corner c extends to
 /// the middles of the two sides and to the centre. Its point (i, j) is at i / n along the side to
 /// the next corner and j / n along the other. With weights of 6 n^2 all points are integers: a
-/// corner has 6, a middle 3 + 3, the centre 2 + 2 + 2.
-/// `onEdge`: the tile's edge on the side from corner c to the next, or -1.
+/// corner has 6, a middle 3 + 3, the centre 2 + 2 + 2. `onEdge`: the tile's edge on the side from
+/// corner c to the next, or -1.
 void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& onEdge, int n,
                     SharedPoints& points, Footprint& footprint) {
   for (int c = 0; c < 3; ++c) {
@@ -860,9 +860,8 @@ bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Corners are matched by joint, never by position. Corners of tiles that only
-// touch stay separate. Corners with a gap from the simulation are still
-// joined.
+// Corners are matched by joint, never by position. Corners of tiles that only touch stay separate.
+// Corners with a gap from the simulation are still joined.
 //
 // 1. Each joint gives pairs of nodes (jointNodes): one on the bottom, one on the top, or all
 // through the thickness. 2. Pairs with common nodes form clusters (union-find with path halving, R.

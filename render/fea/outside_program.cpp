@@ -1,7 +1,6 @@
-// Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are
-// passed unchanged, and no name can be read as a command. Input is /dev/null: a program
-// that asks a question ends instead of waiting. Output and errors go to one log, in
-// order.
+// Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are passed
+// unchanged, and no name can be read as a command. Input is /dev/null: a program that asks a
+// question ends instead of waiting. Output and errors go to one log, in order.
 #include "render/fea/outside_program.h"
 
 #include <cerrno>

@@ -161,8 +161,8 @@ void requireSize(const std::string& page, std::size_t dataBytes, std::size_t sta
                  const WebPageSettings& settings) {
   const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
   if (size <= most) return;
-  // Fewer states are farther apart, and each takes a little more space.
-  // The data must shrink by the excess; `share` is the fraction of them that may stay.
+  // Fewer states are farther apart, and each takes a little more space. The data must shrink by the
+  // excess; `share` is the fraction of them that may stay.
   const double share = 0.8 * ((most - size) / static_cast<double>(dataBytes) + 1);
   const auto fewer = static_cast<int>(share * static_cast<double>(states));
   const std::string thinner =

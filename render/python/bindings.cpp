@@ -87,10 +87,9 @@ void InterruptionWatch::raise() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Keyword arguments become command line words for the program's own parser. Every
-// option therefore works in Python with the same checks and messages. Numbers are
-// converted to text, which is exact, because str() of a float reads back as the same
-// double.
+// Keyword arguments become command line words for the program's own parser. Every option therefore
+// works in Python with the same checks and messages. Numbers are converted to text, which is exact,
+// because str() of a float reads back as the same double.
 
 namespace {
 
@@ -262,9 +261,8 @@ void addModels(py::module_& module) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A run keeps its samples in arrays that NumPy uses without a copy. The arrays keep the
-// run alive and are read-only. Deploying, painting and saving release the interpreter
-// lock.
+// A run keeps its samples in arrays that NumPy uses without a copy. The arrays keep the run alive
+// and are read-only. Deploying, painting and saving release the interpreter lock.
 
 namespace {
 

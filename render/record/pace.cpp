@@ -40,8 +40,7 @@ double shownDistance(const trajectory::Subject& subject, const picture::PictureC
   return bricks.empty() ? 0 : run::pathDistance(bricks, before, after);
 }
 
-/// Linear interpolation between points with ascending x; constant
-/// beyond.
+/// Linear interpolation between points with ascending x; constant beyond.
 double along(const std::vector<double>& x, const std::vector<double>& y, double place) {
   const auto above = std::lower_bound(x.begin(), x.end(), place);
   if (above == x.begin()) return y.front();

@@ -40,8 +40,7 @@ struct WorkerJobs {
 /// caller. Only the caller handles SIGINT and SIGTERM. Repeats a job once if its process was killed
 /// from outside (SIGKILL, for example when memory runs out). Returns false if `watch` stopped it.
 /// Throws RunError if no process can be started, and the exceptions of `lost`. Calls `next`, `lost`
-/// and `watch` in the caller's thread, one at a time. Linux only, because of
-/// prctl(2).
+/// and `watch` in the caller's thread, one at a time. Linux only, because of prctl(2).
 bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits);
 
 }  // namespace kirireel::sweep

@@ -7,9 +7,8 @@
 // sum over the triangles between its centroid and its edges. Concave polygons need no
 // triangulation.
 //
-// A fixed joint becomes three point joints. Three non-collinear points constrain all
-// six relative degrees of freedom. Their nine rows are redundant, which the solver
-// handles.
+// A fixed joint becomes three point joints. Three non-collinear points constrain all six relative
+// degrees of freedom. Their nine rows are redundant, which the solver handles.
 #include "sim/brick/brick.h"
 
 #include <cmath>

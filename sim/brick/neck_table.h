@@ -8,8 +8,8 @@
 
 namespace kirireel::brick {
 
-/// One neck next to a shut slit, between two tiles 50 times as wide.
-/// The tiles are so wide that their own bending is negligible.
+/// One neck next to a shut slit, between two tiles 50 times as wide. The tiles are so wide that
+/// their own bending is negligible.
 struct NeckRow {
   double length = 0;  ///< in widths
   double ends = 0;    ///< additional length of the neck in widths: k = E t w^2 / (12 (L/w + ends))

@@ -283,8 +283,8 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
   return result;
 }
 
-/// Runs the scene twice, the second time with finer steps. The error in time is
-/// the largest distance of a vertex between both runs, over their common samples.
+/// Runs the scene twice, the second time with finer steps. The error in time is the largest
+/// distance of a vertex between both runs, over their common samples.
 run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice& choice,
                                const run::AssembledState& nearest, const run::RunObservers& watch,
                                run::Checkpoints* checkpoints) {

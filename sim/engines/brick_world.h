@@ -14,12 +14,11 @@ class BrickWorld {
   /// Newtons and newton metres. Loads of several calls for one brick add up.
   virtual void applyLoad(int brick, const Vector3& force, const Vector3& torque) = 0;
 
-  /// Advances by exactly `step` seconds, one internal step.
-  /// `step` is positive.
+  /// Advances by exactly `step` seconds, one internal step. `step` is positive.
   virtual void advance(double step) = 0;
 
-  /// Reads the poses and velocities of all bricks.
-  /// `motion` has to hold as many poses and velocities as there are bricks.
+  /// Reads the poses and velocities of all bricks. `motion` has to hold as many poses and
+  /// velocities as there are bricks.
   virtual void readMotion(Motion& motion) const = 0;
 
   /// Sets the poses and velocities of all bricks.

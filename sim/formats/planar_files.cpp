@@ -200,11 +200,10 @@ PlanarPlace planarPlace(const fs::path& named, const fs::path& jointsFile) {
 // ------------------------------------------------------------------------------------------------
 // Planar text files of the quasicrystal kirigami simulator: vertices, constraints, hull.
 //
-// That program has two conventions. Tiles and vertices count from 1 in lists of joints
-// and from 0 in hulls. A joint keeps its two vertices at their start distance: 0 is a
-// pivot, any other value a rod (here a link). Planar models have no faces, so pivots
-// are on both faces of the bricks. Such a pair of pivots is a hinge with a vertical
-// axis.
+// That program has two conventions. Tiles and vertices count from 1 in lists of joints and from 0
+// in hulls. A joint keeps its two vertices at their start distance: 0 is a pivot, any other value a
+// rod (here a link). Planar models have no faces, so pivots are on both faces of the bricks. Such a
+// pair of pivots is a hinge with a vertical axis.
 //
 // L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4, 2022.
 

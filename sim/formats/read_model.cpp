@@ -1,10 +1,9 @@
 // Selects a reader for a path, and completes the model in the same manner for all readers.
 //
 // The ending of a name decides, in upper or lower case. Two cases need the contents:
-// vertices.txt can hold planar or spatial points, and a path can be a folder of either
-// kind. After reading, the last digit of the coordinates is found for later tolerances,
-// strict reading refuses repairs, and the target of another model replaces the model's
-// own.
+// vertices.txt can hold planar or spatial points, and a path can be a folder of either kind. After
+// reading, the last digit of the coordinates is found for later tolerances, strict reading refuses
+// repairs, and the target of another model replaces the model's own.
 #include "sim/formats/read_model.h"
 
 #include <algorithm>
@@ -194,11 +193,10 @@ void writeModel(const model::Model& inMetres, const fs::path& path) {
 // ------------------------------------------------------------------------------------------------
 // Reads and writes PyKirigami's folders.
 //
-// Files are read in the order of their dependence: tiles, joints, target, hull, pulled
-// tiles. Each file is checked at once, so the first message names the file with the fault
-// and not a consequence. Repairs (repairs.h) come before the checks that would
-// otherwise fail. The reversal of clockwise tiles comes last, because it renumbers all
-// corners.
+// Files are read in the order of their dependence: tiles, joints, target, hull, pulled tiles. Each
+// file is checked at once, so the first message names the file with the fault and not a
+// consequence. Repairs (repairs.h) come before the checks that would otherwise fail. The reversal
+// of clockwise tiles comes last, because it renumbers all corners.
 //
 // Numbers have the shortest digits that read back as the same double. Reading and writing a folder
 // therefore keeps the model to the last bit.

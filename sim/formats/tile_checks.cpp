@@ -1,10 +1,9 @@
 // Checks that a polygon can become a brick: distinct vertices, an area, a plane, and sides that do
 // not cross. Also checks that a target fits these tiles.
 //
-// Every threshold is a fraction of the tile's diameter (its largest distance between
-// vertices) or of the model's size. A comment gives the most extreme value in real
-// designs. Later checks rely on earlier ones. For example, a tile without area has no
-// plane.
+// Every threshold is a fraction of the tile's diameter (its largest distance between vertices) or
+// of the model's size. A comment gives the most extreme value in real designs. Later checks rely on
+// earlier ones. For example, a tile without area has no plane.
 #include "sim/formats/tile_checks.h"
 
 #include <algorithm>

@@ -26,8 +26,7 @@ TurningField fanField(const FanShape& shape);
 TurningField heartField(const Lattice& lattice);
 
 /// A square of size x size tiles, closed at the start. At pi it is closed to a polygon inscribed in
-/// a disk.
-/// `size`: odd, >= 3.
+/// a disk. `size`: odd, >= 3.
 TurningField squareToDiskField(int size);
 
 /// A square of size x size tiles, closed at the start. Its tips are on a circle after neighbours

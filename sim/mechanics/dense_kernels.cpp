@@ -71,8 +71,7 @@ inline void takeProducts(double* to, int toStride, const double* left, const dou
   if (row < last) takeProduct<1>(to + row, toStride, left + row, right, stride, columns);
 }
 
-/// Factors three columns whose triangle begins at `row`. The diagonal stores
-/// reciprocals.
+/// Factors three columns whose triangle begins at `row`. The diagonal stores reciprocals.
 inline bool factorColumns(double* columns, int stride, int row) {
   double* const a = columns;
   double* const b = columns + stride;

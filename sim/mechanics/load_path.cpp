@@ -506,8 +506,7 @@ class Follower {
     return Point{std::move(*end), std::move(tangent), beyond.rounds};
   }
 
-  // Whether these points show no limit of the load and no change of stability between
-  // them.
+  // Whether these points show no limit of the load and no change of stability between them.
   static bool areAlike(const Point& a, const Point& b) {
     return a.along.load * b.along.load >= 0 && a.along.negatives == b.along.negatives;
   }

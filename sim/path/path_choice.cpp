@@ -380,8 +380,7 @@ class PathSearch {
                        isLoaded ? " without gravity and ground" : "");
   }
 
-  // In the plane without contacts, a straight pull with longer steps is tried
-  // first.
+  // In the plane without contacts, a straight pull with longer steps is tried first.
   PathChoice findWithoutContacts() {
     scene::PathSettings straight = scene_.path;
     straight.kind = scene::PathKind::Straight;

@@ -222,10 +222,10 @@ void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
 constexpr double kOpeningStep = 0.02;
 
 /// Whether a path is better than another. A path with folds on the wrong side comes last. A path
-/// that arrives without overlaps comes first. Next is
-/// the smaller opening in steps of kOpeningStep, then smoothness, then the exact opening. With
-/// overlaps, the smaller overlap is better. Before the target, the nearer end is better. If the
-/// user requests contacts, a path with overlaps is the last choice.
+/// that arrives without overlaps comes first. Next is the smaller opening in steps of kOpeningStep,
+/// then smoothness, then the exact opening. With overlaps, the smaller overlap is better. Before
+/// the target, the nearer end is better. If the user requests contacts, a path with overlaps is the
+/// last choice.
 class PathOrder {
  public:
   explicit PathOrder(const scene::Scene& scene)

@@ -195,11 +195,10 @@ double BoundarySprings::energy(const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Expansion: F = k (x - c) - mu v away from the centre of mass c of its piece (N, with k
-// in N/m). Its derivative with respect to x is +k, the opposite sign of a spring's
-// stiffness. An implicit step would need an indefinite matrix. The push is therefore
-// explicit, and only its damping is implicit. If all masses are equal, the pushes have no
-// resultant.
+// Expansion: F = k (x - c) - mu v away from the centre of mass c of its piece (N, with k in N/m).
+// Its derivative with respect to x is +k, the opposite sign of a spring's stiffness. An implicit
+// step would need an indefinite matrix. The push is therefore explicit, and only its damping is
+// implicit. If all masses are equal, the pushes have no resultant.
 
 // A uniform expansion needs an acceleration that depends only on the distance, not on the tiles'
 // masses and vertex counts. k is therefore m (2 pi f)^2 / 4 if a frequency is given.

@@ -776,8 +776,8 @@ std::vector<brick::HingeSpring> hingeSprings(const Scene& scene,
 
 namespace {
 
-/// The unit directions of both edges from a corner,
-/// to the next and the previous vertex of the tile.
+/// The unit directions of both edges from a corner, to the next and the previous vertex of the
+/// tile.
 std::array<Vector3, 2> edgesAt(const brick::Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);

@@ -520,11 +520,10 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
 // ------------------------------------------------------------------------------------------------
 // A scene's tiles as bars and hinges (bar_hinge_sheet.h).
 //
-// Joined corners become one node at the mean of their positions. Each tile is divided
-// into triangles. Every side of a triangle is a bar. Its area is the sum over the
-// triangles at this side (stiffness.h): a bar between two tiles carries load for both. A
-// tile bends at a side between two of its triangles. A side between triangles of two
-// tiles is a fold.
+// Joined corners become one node at the mean of their positions. Each tile is divided into
+// triangles. Every side of a triangle is a bar. Its area is the sum over the triangles at this side
+// (stiffness.h): a bar between two tiles carries load for both. A tile bends at a side between two
+// of its triangles. A side between triangles of two tiles is a fold.
 
 namespace {
 

@@ -212,8 +212,7 @@ double gapAtEqualCost(const std::vector<CostPoint>& points, const Belongs& belon
   return largest;
 }
 
-// Three figures for one engine: its cost to come near our gap, and our gap at its
-// cost.
+// Three figures for one engine: its cost to come near our gap, and our gap at its cost.
 void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& points,
                    const std::string& motion, const std::string& engine, const Belongs& belongs) {
   const std::string title = fmt::format("{}_{}", engine, motion);

@@ -28,8 +28,8 @@ constexpr picture::FrameSize kSize{640, 400};
 
 class InsetTest : public testing::Test {
  protected:
-  /// Two squares of side 1, the second of which moves along x: the width of the sheet is
-  /// 2 + t at t seconds, up to 1 s.
+  /// Two squares of side 1, the second of which moves along x: the width of the sheet is 2 + t at t
+  /// seconds, up to 1 s.
   InsetTest() {
     scene_.model = generate::makeTessellation({.columns = 2, .rows = 1});
     scene_.model.joints.clear();

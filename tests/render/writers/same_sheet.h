@@ -52,8 +52,7 @@ inline void expectSameSheet(const model::Model& read, const model::Model& drawn,
   ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;
   ASSERT_EQ(read.joints.size(), drawn.joints.size()) << what;
   const Vector3 moved = meanCorner(read.tiles) - meanCorner(drawn.tiles);
-  // Sides that nearly coincide become one in a drawing: the kinks of this one's
-  // slits.
+  // Sides that nearly coincide become one in a drawing: the kinks of this one's slits.
   const double share = drawn.name.starts_with("square") && drawn.name.ends_with("circle")
                            ? 2e-4
                            : 1e-9;  // measured 3e-13
