@@ -1,4 +1,4 @@
-// CLI11 writes the page of a command. This file wraps its lines, and takes single groups out of it.
+// CLI11 writes the page of a command. This file wraps its lines and extracts single groups.
 #include "render/cli/help.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ const std::set<std::string>& mostUsedOptions() {
   return names;
 }
 
-/// One line at its spaces. Later lines start at `indent`.
+/// Breaks a line at its spaces. Later lines start at `indent`.
 std::string wrapped(const std::string& line, std::size_t indent) {
   std::string text;
   std::size_t begin = 0;

@@ -29,8 +29,8 @@ namespace {
 
 // A target is reached if the error is below this fraction of a tile.
 constexpr double kReached = 1e-6;
-// Depths that differ less are equal.
-constexpr double kWhole = 0.999;
+// Depths with a larger ratio count as equal.
+constexpr double kEqualDepths = 0.999;
 // A bound explains an error up to this factor above it.
 constexpr double kExplains = 1.05;
 
@@ -138,7 +138,7 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
   const LengthUnit& unit = scene.model.unit;
   std::string text =
       fmt::format("penetration {} at most", inTiles(accuracy.penetrationMax, scene.model));
-  if (accuracy.penetrationOutsidePivotsMax >= kWhole * accuracy.penetrationMax) {
+  if (accuracy.penetrationOutsidePivotsMax >= kEqualDepths * accuracy.penetrationMax) {
     text += ", outside the corners that joined bricks share";
   } else {
     text += fmt::format(", in the corners that joined bricks share; {} outside them",
@@ -146,7 +146,7 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
   }
   const auto [less, more] =
       std::minmax(accuracy.penetrationGrownMax, accuracy.penetrationOutsidePivotsMax);
-  if (less < kWhole * more) {
+  if (less < kEqualDepths * more) {
     text +=
         fmt::format(", {} more than at the start", lengthText(accuracy.penetrationGrownMax, unit));
   }

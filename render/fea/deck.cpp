@@ -123,7 +123,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
                mesh.rule.countsFrom);
   }
   text +=
-      "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
+      "** Closed slits have nodes in one place on both sides: never merge duplicate "
       "nodes.\n";
   if (mesh.rule.joints == JointStyle::Neck) {
     // Sheets with necks have no ideal hinges, so the warnings below do not apply.

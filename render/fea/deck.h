@@ -312,9 +312,9 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
 /// joint is an entity. Each element occurs once. SetChoice::All and Joints add a group for the
 /// nodes of each joint (JOINT_00000_A, _B). All also adds each tile and its faces (TILE_00000,
 /// _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3). Gmsh reads thousands of groups
-/// slowly. Coordinates are bitwise exact except at shut slits, whose coinciding nodes are separated
-/// (separatedNodes), so no program merges them. Coordinates are in `unit`, not in a deck's unit.
-/// The text is built in memory.
+/// slowly. Coordinates are bitwise exact except at closed slits, whose coinciding nodes are
+/// separated (separatedNodes), so no program merges them. Coordinates are in `unit`, not in a
+/// deck's unit. The text is built in memory.
 std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Auto,
                      const LengthUnit& unit = {});
 
@@ -322,7 +322,7 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Auto,
 // Separation of nodes at one position.
 
 /// The positions of a mesh's nodes, metres. Coinciding nodes are moved by 1e-7 of the
-/// sheet's size (diagonal of its bounding box) into their elements. Shut slits have
+/// sheet's size (diagonal of its bounding box) into their elements. Closed slits have
 /// coinciding nodes on both sides. Programs report these as duplicates or merge them: Gmsh
 /// merges positions that differ by up to 2e-8 of the size in each coordinate. All other
 /// positions stay unchanged. One position per node. Nodes that still coincide after four

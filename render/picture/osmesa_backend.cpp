@@ -1,5 +1,5 @@
 // A context of OSMesa (GL/osmesa.h), Mesa's own interface for drawing into memory. Attributes are
-// pairs of a name and a value, ended by 0, as OSMesaCreateContextAttribs wants them.
+// pairs of a name and a value, ended by 0, as for OSMesaCreateContextAttribs.
 #include <array>
 #include <cstdint>
 
@@ -24,7 +24,7 @@ class OsmesaBackend : public Backend {
 
  private:
   OSMesaContext context_;
-  // OSMesa wants a default framebuffer; all drawing goes to framebuffer objects instead.
+  // OSMesa requires a default framebuffer; all drawing goes to framebuffer objects instead.
   std::array<std::uint8_t, 4> unusedPixel_ = {};
 };
 

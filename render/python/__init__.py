@@ -1,4 +1,4 @@
-"""Deploys kirigami sheets and looks at what they do: the program kirireel as a library.
+"""Deploys kirigami sheets and gives access to their results: the program kirireel as a library.
 
     import kirireel
     run = kirireel.deploy(kirireel.read("data/cap"), contacts="auto")

@@ -3,12 +3,13 @@
 //     outcome, reason, end_time (s), video_frames
 //     model       name, tiles, joints, has_target, size (m), tile_size (m)
 //     accuracy    gaps, errors, bounds, penetrations (m) and what the steps report
-//     elasticity  how many of each of pairForceKinds(), as springs; energy_start, energy_end (J),
-//                 moment_end (N m); null where no force acts between pairs. Of tiles
-//                 that bend under grips also how many bars and folds: the energies are theirs
+//     elasticity  number of each of pairForceKinds(), such as springs; energy_start, energy_end
+//     (J),
+//                 moment_end (N m); null without pair forces. For tiles that bend
+//                 under grips also the numbers of bars and folds, which have these energies
 //     at_target, shortfall, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
-//     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
+//     settings    with the tables and keys of scene.toml; pictures; scene: a whole scene file
 //     view        of the pictures, automatic or given: azimuth_deg, elevation_deg, roll_deg
 //     order, left_out, inputs [{name, sha256}], files
 //     contents    {name: {bytes, sha256}}, see output_folder.cpp
@@ -127,10 +128,10 @@ Json pathJson(const RunSummary& summary) {
   const double searchLimit = summary.deployCost.searchLimit;
   const scene::PathSettings& path = summary.path;
   const bool isGuided = path.kind == scene::PathKind::Guided;
-  const bool isWalked = path.kind == scene::PathKind::Continuation;
-  return {{"kind", isGuided   ? "guided"
-                   : isWalked ? "continuation"
-                              : "straight"},
+  const bool isKinematic = path.kind == scene::PathKind::Continuation;
+  return {{"kind", isGuided      ? "guided"
+                   : isKinematic ? "continuation"
+                                 : "straight"},
           {"reason", summary.pathReason},
           {"candidates", candidatesJson(summary.candidates)},
           {"search_work", summary.deployCost.searchWork},

@@ -266,14 +266,14 @@ class PatternMaker {
 };
 
 /// The style of a layer.
-struct LayerLook {
+struct LayerStyle {
   PatternLayer layer;
   const char* name;
   const char* svgStyle;
   int dxfColour;
 };
 
-constexpr LayerLook kLooks[] = {
+constexpr LayerStyle kLayerStyles[] = {
     {PatternLayer::Cuts, "cuts", "stroke=\"#d00000\"", 1},
     {PatternLayer::Slits, "slits", "stroke=\"#0000d0\"", 5},
     {PatternLayer::Hinges, "hinges", "stroke=\"#008000\"", 3},
@@ -307,11 +307,11 @@ std::string patternSvg(const std::vector<PatternLine>& lines) {
   // SVG's y runs down.
   const auto x = [&](const Vector2& p) { return kMargin + kMillimetres * (p.x() - box.min().x()); };
   const auto y = [&](const Vector2& p) { return kMargin + kMillimetres * (box.max().y() - p.y()); };
-  for (const LayerLook& look : kLooks) {
-    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"{}\" {}>\n", look.name, stroke,
-                        look.svgStyle);
+  for (const LayerStyle& style : kLayerStyles) {
+    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"{}\" {}>\n", style.name, stroke,
+                        style.svgStyle);
     for (const PatternLine& line : lines) {
-      if (line.layer != look.layer) continue;
+      if (line.layer != style.layer) continue;
       text += fmt::format("<path d=\"M {} {} L {} {}\"/>\n", x(line.from), y(line.from), x(line.to),
                           y(line.to));
     }
@@ -325,14 +325,14 @@ std::string patternDxf(const std::vector<PatternLine>& lines, const LengthUnit& 
       "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n"
       "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n",
       unit.dxfNumber);
-  for (const LayerLook& look : kLooks) {
+  for (const LayerStyle& style : kLayerStyles) {
     text +=
-        fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", look.name, look.dxfColour);
+        fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", style.name, style.dxfColour);
   }
   text += "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
   for (const PatternLine& line : lines) {
-    const LayerLook& look = kLooks[static_cast<int>(line.layer)];
-    text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", look.name,
+    const LayerStyle& style = kLayerStyles[static_cast<int>(line.layer)];
+    text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", style.name,
                         inUnit(line.from.x(), unit), inUnit(line.from.y(), unit),
                         inUnit(line.to.x(), unit), inUnit(line.to.y(), unit));
   }
@@ -497,8 +497,8 @@ class OutlineMaker {
                   tiles()[gap.second.tile][vertexOf(gap.second)]);
   }
 
-  /// A neck of length 0: a line across a shut slit, a triangle across an open gap. The cut ends at
-  /// w / cos(g / 2) from the joint, see above.
+  /// A neck of length 0: a line across a closed slit, a triangle across an open gap. The cut ends
+  /// at w / cos(g / 2) from the joint, see above.
   void addWeb(const CornerGap& gap) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);
@@ -506,13 +506,13 @@ class OutlineMaker {
     const double reach = shape_.width / std::cos(gap.angle / 2);
     const Vector2 firstEnd = joint + reach * directionFrom(tiles(), gap.first);
     const Vector2 secondEnd = joint + reach * directionFrom(tiles(), gap.second);
-    const bool isShut = gap.angle <= kClosedAngle;
+    const bool isClosed = gap.angle <= kClosedAngle;
     const int a = addPoint(firstEnd, true);
-    const int b = isShut ? a : addPoint(secondEnd, true);
+    const int b = isClosed ? a : addPoint(secondEnd, true);
     const int middle = joinMiddles(first, second, joint);
     first.arriving = {a};
     second.leaving = {b};
-    if (!isShut) outline_.necks.push_back({middle, a, b});
+    if (!isClosed) outline_.necks.push_back({middle, a, b});
   }
 
   /// One point for the corners of both tiles, and of all tiles already joined to them.
@@ -773,31 +773,31 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
 [[noreturn]] void refuse(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape,
                          const Misfit& misfit) {
   const auto length = [&](double metres) { return lengthText(metres, model.unit, 6); };
-  std::string cure = "; no neck of this length and kerf fits";
-  const auto offer = [&](double NeckShape::*length, double good, const char* words) {
+  std::string remedy = "; no neck of this length and kerf fits";
+  const auto suggest = [&](double NeckShape::*length, double good, const char* words) {
     const std::optional<double> bound = boundOf(model, sheet, shape, length, good);
-    if (bound) cure = fmt::format("; {} {} does", words, lengthText(*bound, model.unit));
+    if (bound) remedy = fmt::format("; {} {} does", words, lengthText(*bound, model.unit));
     return bound.has_value();
   };
   const double size = model::tileSize(model);
   if (misfit.kind == Misfit::TooRound) {
-    offer(&NeckShape::radius, 0, "a --neck-radius of");
+    suggest(&NeckShape::radius, 0, "a --neck-radius of");
   } else if (misfit.kind == Misfit::TooShort) {
     // The smallest length that fits, of doublings from width / 64; or else one that does not fit.
     NeckShape longer = shape;
     longer.length = misfit.shape.width / 64;
     while (longer.length < size && !fits(model, sheet, longer)) longer.length *= 2;
-    offer(&NeckShape::length, longer.length, "a --neck-length of") ||
-        offer(&NeckShape::width, 1e-6 * size, "a --neck-width of");
+    suggest(&NeckShape::length, longer.length, "a --neck-length of") ||
+        suggest(&NeckShape::width, 1e-6 * size, "a --neck-width of");
   } else {
-    offer(&NeckShape::width, 1e-6 * size, "a --neck-width of") ||
-        offer(&NeckShape::length, misfit.shape.kerf, "a --neck-length of");
+    suggest(&NeckShape::width, 1e-6 * size, "a --neck-width of") ||
+        suggest(&NeckShape::length, misfit.shape.kerf, "a --neck-length of");
   }
   throw InputError(fmt::format(
       "error: {}: a neck {} wide and {} long with fillets of {} and a kerf of {} does not "
       "fit{}",
       misfit.where, length(misfit.shape.width), length(misfit.shape.length),
-      length(misfit.shape.radius), length(misfit.shape.kerf), cure));
+      length(misfit.shape.radius), length(misfit.shape.kerf), remedy));
 }
 
 }  // namespace

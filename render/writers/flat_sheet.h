@@ -133,7 +133,7 @@ struct NeckShape {
 /// missing length is the kerf if it is the kerf in the model. The length is at least the kerf.
 NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape);
 
-/// The regions of a sheet. Regions with a common line share its two points. A shut slit has
+/// The regions of a sheet. Regions with a common line share its two points. A closed slit has
 /// separate points on both sides.
 struct NeckOutline {
   FlatSheet sheet;                      ///< the original sheet

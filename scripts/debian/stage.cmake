@@ -1,4 +1,4 @@
-# Run by CPack once a package's files are in place and before they are packed: what Debian wants of
+# Run by CPack once a package's files are in place and before they are packed: Debian's rules for
 # every package, and the same bytes from every build.
 set(time $ENV{SOURCE_DATE_EPOCH})
 if(NOT time)

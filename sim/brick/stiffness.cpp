@@ -151,7 +151,7 @@ NeckCorner neckCorner(const Brick& brick, int corner) {
 
 namespace {
 
-/// Start of a neck's strip along a shut slit, metres from the corner, as flat_sheet.cpp draws it.
+/// Start of a neck's strip along a closed slit, metres from the corner, as flat_sheet.cpp draws it.
 /// Both tiles are cut back by half of the neck's length. The strip starts where both have begun, at
 /// the earliest half of its width before the corner.
 double neckBegin(double width, double length, const std::array<NeckCorner, 2>& tiles) {

@@ -242,9 +242,9 @@ class CutPatternReader {
     return segments;
   }
 
-  /// Coordinates with few digits are coarse, or exact because the design is on a grid. Ends of
-  /// lines tell: most rounded ends miss the sloping line that they were drawn to, by a fraction of
-  /// the last digit. Then the tolerance is the rounding, but less than necks.
+  /// Coordinates with few digits are rounded, or exact because the design is on a grid. If rounded,
+  /// most ends miss the sloping line to which they were drawn by a fraction of the last digit. Then
+  /// the tolerance is the rounding, but less than necks.
   void takeRounding() {
     const double most = 1.5 * drawing_.rounding;
     if (tolerance_ >= most) return;

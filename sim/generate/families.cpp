@@ -438,9 +438,9 @@ double checkedValue(const Family& family, const FamilyParameter& parameter,
                                parameter.least, parameter.most));
 }
 
-std::vector<std::string> names(const auto& things) {
+std::vector<std::string> names(const auto& entries) {
   std::vector<std::string> names;
-  for (const auto& thing : things) names.push_back(thing.name);
+  for (const auto& entry : entries) names.push_back(entry.name);
   return names;
 }
 

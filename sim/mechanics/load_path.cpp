@@ -36,7 +36,7 @@ using Vector = LoadedSheet::Vector;
 using Matrix = LoadedSheet::Matrix;
 
 // Heavier constraints have larger rounding errors. They are used only for nearly redundant
-// constraints, as in almost shut sheets, if the default weight is too small compared with the
+// constraints, as in almost closed sheets, if the default weight is too small compared with the
 // forces in the sheet.
 constexpr double kMostPenalty = 1e12;
 constexpr double kHeavier = 1e2;

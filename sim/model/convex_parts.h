@@ -16,7 +16,8 @@ namespace kirireel::model {
 // Divides concave polygons into convex parts, for all code that needs convex shapes: contacts,
 // overlap depths, painting, element meshes.
 //
-// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): an ear is a left corner whose triangle
+// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): an ear is a convex corner whose
+// triangle
 //    with its two neighbours contains no other corner. A simple polygon always has one. The ear
 //    with the largest minimum sine is cut off first, which avoids unnecessarily thin triangles. n
 //    corners give n - 2 triangles in O(n^3), n <= 300.

@@ -53,9 +53,9 @@ constexpr double kNearGap = 1e-3;
 constexpr std::size_t kNodes = 5;
 // The gaps of rounded tiles, as a multiple of the root of the rounding in tiles.
 constexpr double kAboveRounding = 10;
-// At the end, smaller gaps are shut, radians. A compact state is singular: rounded tiles leave
-// gaps of about the root of the rounding.
-constexpr double kShut = 1e-6;
+// At the end, smaller gaps count as closed, radians. A compact state is singular: rounded tiles
+// leave gaps of about the root of the rounding.
+constexpr double kClosedGap = 1e-6;
 constexpr int kBisections = 40;
 
 class ClosingPath {
@@ -131,7 +131,7 @@ class ClosingPath {
   /// values exceed the root of the rounding in tiles. Singular values are about as large as the
   /// gap.
   double nearGap() const { return std::max(kNearGap, gapOfRounding()); }
-  /// Gaps that rounding alone may leave, radians.
+  /// Gaps that rounding may leave, radians.
   double gapOfRounding() const { return kAboveRounding * std::sqrt(scene_.model.rounding / tile_); }
 
   bool mayContinue() {
@@ -281,10 +281,10 @@ class ClosingPath {
   }
 
   void note(bool meetBetween) {
-    const double shut = std::max(kShut, gapOfRounding());
+    const double closed = std::max(kClosedGap, gapOfRounding());
     std::size_t count = 0;
     for (std::size_t k = 0; k < hinges_.size(); ++k) {
-      count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= shut;
+      count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= closed;
     }
     found_.closedWords =
         fmt::format("the path ends when the tiles meet again{}: {} of {} hinges are closed",

@@ -377,10 +377,10 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
 //    values of its line in the file have priority over those of all hinges. The default rest angle
 //    of a fold is that of the FOLD file, that of other hinges the angle at the start. The stiffness
 //    of all hinges may be that of a neck of material (stiffness.h) if tiles turn about a corner. A
-//    neck of length 0 next to an initially shut slit has the stiffness of a crack tip, from its own
-//    table. If tiles have a material (PanelMaterial), the hinges between parts of one tile have its
-//    bending stiffness. They rest at their current angle, independent of all hinges. Folds without
-//    a stiffness have that of the material's length scale.
+//    neck of length 0 next to an initially closed slit has the stiffness of a crack tip, from its
+//    own table. If tiles have a material (PanelMaterial), the hinges between parts of one tile have
+//    its bending stiffness. They rest at their current angle, independent of all hinges. Folds
+//    without a stiffness have that of the material's length scale.
 // 3. A rest angle at which bricks overlap is refused, since contacts or joints would never let the
 //    spring come to rest.
 
@@ -647,8 +647,8 @@ class DefaultSprings {
         scene_,
         *jointAt_.at(cornersOf({{hinge.brickA, hinge.cornerA}, {hinge.brickB, hinge.cornerB}})));
     const double thickness = scene_.brick.thickness;
-    const bool isShut = hinge.start <= kAngleRounding;
-    if (!isShut) return brick::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
+    const bool isClosed = hinge.start <= kAngleRounding;
+    if (!isClosed) return brick::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
     return brick::neckStiffness(neck.youngs, thickness, neck.width, neck.length,
                                 {brick::neckCorner(brick(hinge.brickA), hinge.cornerA),
                                  brick::neckCorner(brick(hinge.brickB), hinge.cornerB)});
@@ -768,8 +768,8 @@ std::vector<brick::HingeSpring> hingeSprings(const Scene& scene,
 // ------------------------------------------------------------------------------------------------
 // Joints of necks: exact joints and ligaments.
 //
-// A neck at a joint of two tiles has an axis on the slit next to the corner, if the slit is shut at
-// the start (neckAxis()). A neck with a length becomes a straight ligament if ligaments are
+// A neck at a joint of two tiles has an axis on the slit next to the corner, if the slit is closed
+// at the start (neckAxis()). A neck with a length becomes a straight ligament if ligaments are
 // requested. Its middle is the joint, and it points from tile A to tile B. A neck of length 0 is
 // the end of the slit: a pin that can open across the slit and slide along it. All other joints
 // stay exact.
@@ -792,7 +792,7 @@ Vector3 inwardAt(const brick::Brick& brick, int corner) {
   return next + last;
 }
 
-/// The unit direction of both tiles' edge at their joint if a shut slit lies along it.
+/// The unit direction of both tiles' edge at their joint if a closed slit lies along it.
 std::optional<Vector3> slitAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks) {
   constexpr double kFlush = 1e-6;  // of the cosine
   const brick::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
@@ -844,7 +844,7 @@ brick::Ligament ligamentAt(const brick::Pivot& pivot, const std::vector<brick::B
   return ligament;
 }
 
-/// A neck of length 0 at the end of a shut slit, as an elastic pin.
+/// A neck of length 0 at the end of a closed slit, as an elastic pin.
 brick::Ligament pinAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks,
                       const Vector3& slit, const Scene& scene) {
   const HingeNeck material =
