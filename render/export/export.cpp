@@ -731,7 +731,7 @@ void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::S
       const Vector3 next = corners[(k + 1) % count] - corners[k];
       const Vector3 previous = corners[(k + count - 1) % count] - corners[k];
       const Vector3 across = next.cross(previous);
-      // Notches of concave tiles are no slivers.
+      // Notches of concave tiles are not slivers.
       if (across.dot(brick.normal) <= 0) continue;
       const double angle = std::atan2(across.norm(), next.dot(previous)) / kDegree;
       if (angle < sharpest) sharpest = angle, sharp = t;

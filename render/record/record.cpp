@@ -357,7 +357,7 @@ void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings
   pictures.writeSnapshots(run, motion);
 }
 
-/// After a long run, a curve that it lacks is no reason to lose its pictures.
+/// A run that lacks a curve keeps its pictures, because it may have been long.
 void checkInset(const trajectory::TrajectoryReader& run, const ProgressObserver& observer,
                 RecordSettings& settings) {
   if (settings.inset.empty()) return;

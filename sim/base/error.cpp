@@ -43,7 +43,7 @@ int editDistance(std::string_view a, std::string_view b) {
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords) {
-  constexpr std::size_t kLongestWord = 100;  // longer words are no typing errors
+  constexpr std::size_t kLongestWord = 100;  // longer words are not typing errors
   if (word.size() > kLongestWord) return "";
   // A third of the letters may be wrong, or two in short words.
   int nearest = std::max<int>(2, static_cast<int>(word.size()) / 3) + 1;

@@ -692,8 +692,8 @@ class CutPatternReader {
     }
   }
 
-  /// The reading with more hinges is right: what is no cut separates no tiles. If both have as
-  /// many, the first one.
+  /// The reading with more hinges is right: lines that are not cuts separate no tiles. If both have
+  /// as many, the first one.
   template <typename ReadFirst, typename ReadSecond>
   static CutSheet readBest(ReadFirst readFirst, ReadSecond readSecond) {
     try {

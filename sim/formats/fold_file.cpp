@@ -325,11 +325,10 @@ class FoldReader {
       warnings.push_back(fmt::format(
           "{}: warning: of frames 0-{}, frame {} is the start{}{}; `frame = N` reads frame N only",
           file_.string(), count - 1, frame_, targets,
-          others > 0
-              ? fmt::format(", and {} not read", counted(others, "other is", "others are"))
-              : ""));
+          others > 0 ? fmt::format(", and {} not read", counted(others, "other is", "others are"))
+                     : ""));
     }
-    // FOLD's "unit" is no unit of length.
+    // FOLD's "unit" is not a unit of length.
     const Json* name = find("frame_unit");
     if (name != nullptr && !unit() && *name != "unit" && !settings.unit) {
       warnings.push_back(
@@ -348,9 +347,9 @@ class FoldReader {
     }
     if (!foreign.empty()) {
       const auto shownEnd = foreign.begin() + std::min<std::ptrdiff_t>(3, std::ssize(foreign));
-      ignored.push_back(fmt::format(
-          "{} of other programs ({}{})", counted(foreign.size(), "key"),
-          fmt::join(foreign.begin(), shownEnd, ", "), foreign.size() > 3 ? ", ..." : ""));
+      ignored.push_back(fmt::format("{} of other programs ({}{})", counted(foreign.size(), "key"),
+                                    fmt::join(foreign.begin(), shownEnd, ", "),
+                                    foreign.size() > 3 ? ", ..." : ""));
     }
     if (ignored.empty()) return;
     warnings.push_back(
@@ -1190,9 +1189,9 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
                std::vector<std::string>& warnings) {
   model::FoldSheet& drawing = *model.drawing;
   if (!angles.empty() && !normal) {
-    warnings.push_back(fmt::format(
-        "{}: warning: {} not read, because fold angles need a flat start", start.file.string(),
-        counted(angles.size(), "frame is", "frames are")));
+    warnings.push_back(
+        fmt::format("{}: warning: {} not read, because fold angles need a flat start",
+                    start.file.string(), counted(angles.size(), "frame is", "frames are")));
   }
   std::vector<int> open;  // frames
   double widest = 0;

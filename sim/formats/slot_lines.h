@@ -17,7 +17,7 @@ struct CutLines {
   double kerf = 0;                     ///< width of the slots, metres; 0 of slits
   std::vector<OpeningTip> tips;        ///< of openings wider than slots, and of the outline
   std::vector<PlaneRing> openings;     ///< those of the tips
-  std::map<std::string, int> leftOut;  ///< what is no cut, and how often
+  std::map<std::string, int> leftOut;  ///< lines that are not cuts, with their numbers
 };
 
 /// Closed chains of the paths' lines. Lines whose ends meet, an even number at each place, make

@@ -399,7 +399,7 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
   double energy = 0;
   if (settings_.keepsEnergy) {
     // Joints may not allow the velocities after steps of first order. The first Euler step projects
-    // them. The energy that this takes is no error of the step.
+    // them. The energy lost in this is not an error of the step.
     Motion allowed = motion;
     solver_.collide(allowed);
     energy = solver_.energy(allowed);

@@ -384,7 +384,7 @@ class Continuation {
     if (ascent_ > 0 && !isTouching()) refine();
     omitRest();
     if (!isTouching()) removeDrift();
-    // Rounding is no motion.
+    // Rounding is not motion.
     if (path_.length() <= model::kClosedShare * tile_) {
       path_.states.resize(1);
       path_.lengths.resize(1);

@@ -53,7 +53,7 @@ double ActingForces::pairEnergy(const Poses& poses) const {
   return bricks_.ties.pairForces.energy(poses);
 }
 
-// Forces without stored energy, newtons: gravity, and the part of a drive that is no spring.
+// Forces without stored energy, newtons: gravity, and the part of a drive without springs.
 std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
   for (const brick::Brick& brick : bricks_.bricks)

@@ -230,7 +230,7 @@ Eigen::VectorXd blockedMoves(const mechanics::LoadedSheet& sheet) {
 }
 
 /// Throws InputError for contradicting grips: the joints do not allow their combined moves. If the
-/// joints block a single [[grip]], this is no error, because the path reports it at its end. All
+/// joints block a single [[grip]], this is not an error, because the path reports it at its end. All
 /// axes of a [[grip]] count as one move.
 void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
                       const mechanics::LoadedSheet& sheet) {

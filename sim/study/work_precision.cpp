@@ -160,7 +160,7 @@ std::vector<CostPoint> pointsOf(const Table& table, const std::string& motion) {
     if (table.text(row, "motion") != motion) continue;
     const CostPoint point{table.text(row, "engine"), table.number(row, "rate"),
                           table.number(row, "cpu_ms_per_s"), table.number(row, "gap_m")};
-    // Runs that fly apart are no points of a front.
+    // Runs that fly apart are not on a front.
     if (std::isfinite(point.cpu) && std::isfinite(point.gap)) points.push_back(point);
   }
   return points;

@@ -80,10 +80,10 @@ def main():
              "--neck-width", str(WIDTH), "--neck-length", str(LENGTH), "--kerf", "0.02", "--plane-stress",
              "--elements-per-edge", "2", "--out", f"{folder}/deck"])
         tiles = lambda first: ",".join(str(first + k) for k in range(side))
-        _, said = cpu([sys.executable, f"{ligament_minimiser.__file__[:-21]}neck_pull.py",
+        _, output = cpu([sys.executable, f"{ligament_minimiser.__file__[:-21]}neck_pull.py",
                        f"{folder}/deck/sheet_mesh.inp", str(THICKNESS), str(YOUNGS), str(POISSON),
                        tiles(0), tiles(side * side - side), str(increments / STEPS), str(increments)])
-        seconds = float(said.split()[-1]) * STEPS / increments
+        seconds = float(output.split()[-1]) * STEPS / increments
         print(f"CalculiX: {seconds:.0f} s by {increments} increments, {seconds / own:.0f} times as much")
         costs = []
         for side in (10, 20, 40):

@@ -24,7 +24,7 @@ std::string refusalOfWords(const Words& words) {
 /// A command line on which the option has no effect, and words that give it an effect.
 struct Case {
   Words idle;
-  Words cure;  // "-X" removes X
+  Words remedy;  // "-X" removes X
 };
 
 Words operator+(Words words, const Words& more) {
@@ -218,7 +218,7 @@ TEST(OptionEffects, AreEachRefusedWithTheirReason) {
         fmt::format(" has no effect {}. {} or remove ", effect.reason, effect.remedy);
     EXPECT_TRUE(std::any_of(first, last, [&](const auto& entry) {
       return refusalOfWords(entry.second.idle).find(expected) != std::string::npos;
-    })) << "no case is refused so";
+    })) << "no case has this message";
   }
 }
 
@@ -227,18 +227,18 @@ TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
   for (const auto& [option, example] : cases(folder)) {
     SCOPED_TRACE(fmt::format("{}", fmt::join(example.idle, " ")));
     EXPECT_THAT(refusalOfWords(example.idle), testing::HasSubstr(" has no effect "));
-    if (example.cure.empty()) continue;
+    if (example.remedy.empty()) continue;
     Words words = example.idle;
-    if (example.cure.front() == "-") {
+    if (example.remedy.front() == "-") {
       for (const std::string& word : kSwitches) words = without(words, word);
       if (option == "--font-size") words = words + Words{"--width", "90mm"};
-    } else if (example.cure.front() == "b") {
+    } else if (example.remedy.front() == "b") {
       words = without(words, "b");
     } else {
-      words = words + example.cure;
+      words = words + example.remedy;
       // Formats add up; this removes all but the last.
       const auto format = std::ranges::find(words, "--format");
-      if (words.front() == "export" && example.cure.front() == "--format")
+      if (words.front() == "export" && example.remedy.front() == "--format")
         words.erase(format, format + 2);
     }
     EXPECT_EQ(refusalOfWords(words), "accepted");

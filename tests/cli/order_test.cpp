@@ -221,7 +221,7 @@ const std::vector<Sample>& samples() {
 
 /// Options that do not change a run: its folder, its printed text, the file of its settings, the
 /// library and the number of threads of its pictures.
-const std::set<std::string> kDecideNothing = {"--help",    "--out",     "--resume", "--json",
+const std::set<std::string> kWithoutEffect = {"--help",    "--out",     "--resume", "--json",
                                               "--page",    "--scene",   "--gl",     "--strict",
                                               "--verbose", "--painters"};
 
@@ -246,7 +246,7 @@ TEST(Orders, HaveASampleOfEveryOption) {
   const std::string help =
       std::get<cli::PrintOrder>(cli::parseCommandLine({"record", "--help", "all"})).text;
   const std::regex pattern("\n  (?:-h,)?(--[a-z-]+)");
-  std::set<std::string> known = kDecideNothing;
+  std::set<std::string> known = kWithoutEffect;
   for (const Sample& sample : samples()) known.insert(sample.option);
   int count = 0;
   for (std::sregex_iterator match(help.begin(), help.end(), pattern), end; match != end; ++match) {

@@ -27,13 +27,13 @@ void expectDecksToRun(const std::filesystem::path& model) {
     const ProgramEnd end = runKirireel(
         {"export", out, "--format", "inp", "--states", "final", "--elements-per-edge", perEdge});
     ASSERT_EQ(end.exitCode, 0) << end.err;
-    const std::string said =
+    const std::string output =
         test::outputOf("cd '" + out +
                        "' && for job in state_*_job.inp; do OMP_NUM_THREADS=1 ccx -i ${job%.inp}; "
                        "done");
-    EXPECT_THAT(said, HasSubstr("Job finished")) << perEdge;
-    EXPECT_THAT(said, Not(HasSubstr("WARNING"))) << perEdge;
-    EXPECT_THAT(said, Not(HasSubstr("ERROR"))) << perEdge;
+    EXPECT_THAT(output, HasSubstr("Job finished")) << perEdge;
+    EXPECT_THAT(output, Not(HasSubstr("WARNING"))) << perEdge;
+    EXPECT_THAT(output, Not(HasSubstr("ERROR"))) << perEdge;
   }
 }
 

@@ -81,9 +81,9 @@ BarsAndHinges checkedByBarsAndHinges(const char* which) {
   EXPECT_EQ(end.exitCode, 0) << end.err;
   const ProgramEnd checked = runTool(kPython, {script, "check", which, folder, run});
   EXPECT_EQ(checked.exitCode, 0) << checked.err;
-  std::istringstream said(checked.out);
+  std::istringstream output(checked.out);
   BarsAndHinges found;
-  said >> found.forces >> found.energies >> found.softest >> found.largest;
+  output >> found.forces >> found.energies >> found.softest >> found.largest;
   return found;
 }
 

@@ -177,20 +177,20 @@ class Respelling {
       : request_(requested), folder_(folder), draw_(std::move(draw)) {}
 
   std::vector<std::string> words(
-      const std::function<std::vector<std::string>(const Request&)>& say) {
+      const std::function<std::vector<std::string>(const Request&)>& wordsFor) {
     switch (draw_(6)) {
       case 0:
-        return joined(say(request_));
+        return joined(wordsFor(request_));
       case 1:
-        return say(withMoreDigits());
+        return wordsFor(withMoreDigits());
       case 2:
         return backwards();
       case 3:
-        return say(inTheSceneFile());
+        return wordsFor(inTheSceneFile());
       case 4:
-        return say(elsewhere());
+        return wordsFor(elsewhere());
       default:
-        return withDefaults(say(request_));
+        return withDefaults(wordsFor(request_));
     }
   }
 
@@ -267,7 +267,7 @@ class Respelling {
 TEST_F(Orders, AreFinishedIfTheyAreTheSame) {
   const char* asked = std::getenv("KIRIREEL_ORDER_PAIRS");
   const int pairs = asked ? std::atoi(asked) : 24;
-  const auto say = [this](const Request& requested) { return wordsOf(requested); };
+  const auto wordsFor = [this](const Request& requested) { return wordsOf(requested); };
   int same = 0;
   for (int k = 0; k < pairs; ++k) {
     Request requested = randomRequest();
@@ -307,7 +307,7 @@ TEST_F(Orders, AreFinishedIfTheyAreTheSame) {
         ++same;
         expectKnown(
             Respelling(requested, scratch_.path(), [this](std::size_t n) { return draw(n); })
-                .words(say),
+                .words(wordsFor),
             true);
     }
   }

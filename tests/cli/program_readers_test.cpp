@@ -22,8 +22,8 @@ void exportAs(const std::string& run, const std::string& style, const std::strin
 }
 
 /// The output of a shell loop over files of this ending.
-std::string saidOfAll(const std::string& folder, const std::string& ending,
-                      const std::string& command) {
+std::string outputOfAll(const std::string& folder, const std::string& ending,
+                        const std::string& command) {
   return test::outputOf("cd '" + folder + "' && for file in *" + ending + "; do " + command +
                         " 2>&1; done; true");
 }
@@ -33,11 +33,11 @@ void expectMeshioToOpen(const std::string& folder) {
   const std::string script =
       "import meshio, sys; mesh = meshio.read(sys.argv[1]); "
       "print(\"cells\" if sum(len(c.data) for c in mesh.cells) > 0 else \"none\")";
-  const std::string said = saidOfAll(
+  const std::string output = outputOfAll(
       folder, ".inp", std::string(kPython) + " -c '" + script + "' $file | grep -v \"^$\"");
-  EXPECT_THAT(said, HasSubstr("cells"));
-  EXPECT_THAT(said, Not(HasSubstr("none")));
-  EXPECT_THAT(said, Not(HasSubstr("Error"))) << said;
+  EXPECT_THAT(output, HasSubstr("cells"));
+  EXPECT_THAT(output, Not(HasSubstr("none")));
+  EXPECT_THAT(output, Not(HasSubstr("Error"))) << output;
 }
 
 class Readers : public testing::TestWithParam<const char*> {};
@@ -55,11 +55,11 @@ TEST_P(Readers, FindNoFaults) {
   for (const std::string style : {"shared", "equation", "patch"}) {
     const std::string out = scratch / style;
     exportAs(run, style, out);
-    const std::string meshes = saidOfAll(out, ".msh", "gmsh -check $file");
+    const std::string meshes = outputOfAll(out, ".msh", "gmsh -check $file");
     EXPECT_THAT(meshes, HasSubstr("Done checking mesh coherence"));
     EXPECT_THAT(meshes, Not(HasSubstr("Error"))) << meshes;
     EXPECT_THAT(meshes, Not(HasSubstr("Warning"))) << meshes;
-    const std::string facets = saidOfAll(out, ".stl", "admesh $file");
+    const std::string facets = outputOfAll(out, ".stl", "admesh $file");
     EXPECT_THAT(facets, HasSubstr("Normals fixed         :     0"));
     for (const char* repair : {"Edges fixed", "Facets removed", "Facets added", "Facets reversed",
                                "Backwards edges", "Normals fixed"}) {

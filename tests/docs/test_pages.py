@@ -19,7 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from fresh.test_scripts import copy_sources
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-FINE = (0, 3)  # exit code 3: a run ended short of its target, which is no mistake of the page
+FINE = (0, 3)  # exit code 3: a run ended short of its target, which is not an error of the page
 
 
 def fenced_blocks(text):
@@ -182,9 +182,9 @@ class Pages(unittest.TestCase):
 class Examples(unittest.TestCase):
     def test_angle_is_that_of_the_closed_form(self):
         with tempfile.TemporaryDirectory() as folder:
-            said = Page(folder).run("python3", "docs/examples/python/optimise_angle.py")
+            output = Page(folder).run("python3", "docs/examples/python/optimise_angle.py")
         # cos(a/2) + sin(a/2) = 1.3: a = 2 asin(1.3 / sqrt(2)) - 90 degrees = 43.630
-        self.assertAlmostEqual(float(said.split()[0]), 43.630, delta=0.01)
+        self.assertAlmostEqual(float(output.split()[0]), 43.630, delta=0.01)
 
     def test_figure_is_a_picture(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -202,11 +202,11 @@ class Examples(unittest.TestCase):
             page = Page(folder)
             run = kirireel.deploy(kirireel.read(SOURCES / "data/cap"), no_video=True, no_snapshots=True)
             run.save(page.folder / "run")
-            said = page.run_block("octave", 'addpath ("docs/examples/octave");'
+            output = page.run_block("octave", 'addpath ("docs/examples/octave");'
                               'run = read_trajectory ("run/trajectory.h5");'
                               'printf ("%.17g %.17g %.17g %d", run.time(end), '
                               'run.position(1, 2, end), run.rotation(4, 3, end), columns (run.position));\n')
-        time, place, turn, tiles = map(float, said.split())
+        time, place, turn, tiles = map(float, output.split())
         self.assertEqual(time, run.time[-1])
         self.assertEqual(place, run.position[-1, 1, 0])
         self.assertEqual(turn, run.rotation[-1, 2, 3])

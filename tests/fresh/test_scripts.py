@@ -235,9 +235,9 @@ class Messages(Configuration):
         disabled = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in PACKAGES]
         end = self.configure("-DKIRIREEL_PYTHON=ON", *disabled, hidden=MODULES)
         self.assertNotEqual(end.returncode, 0)
-        said = set(end.stderr.replace(",", " ").split())
+        output = set(end.stderr.replace(",", " ").split())
         for package in [*PACKAGES.values(), *MODULES.values(), "libgmock-dev", "python3-dev"]:
-            self.assertIn(package, said)
+            self.assertIn(package, output)
         self.assertNotIn("Unknown CMake command", end.stderr)
         listed = (SOURCES / "scripts/setup").read_text().replace("|", " ").split()
         for package in [*PACKAGES.values(), *MODULES.values()]:

@@ -60,7 +60,7 @@ void requireMessage(const std::string& message) {
     return letter < ' ' || letter == 127;
   });
   if (isOneLine && message.size() <= kLongestMessage) return;
-  std::fprintf(stderr, "this is no short line: %s\n", message.c_str());
+  std::fprintf(stderr, "this is not a short line: %s\n", message.c_str());
   std::abort();
 }
 

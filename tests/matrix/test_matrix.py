@@ -373,7 +373,7 @@ def picture(place, t, out):
 
 
 def page(place, t, out):
-    """Numbers of files and scripts. The size of packed data is no measure."""
+    """Numbers of files and scripts. The size of packed data is not compared."""
     run("page", ofRun(place, t, out), "--out", out + "p")
     texts = [os.path.join(out + "p", n) for n in sorted(os.listdir(out + "p")) if n.endswith(".html")]
     text = open(texts[0]).read()

@@ -129,9 +129,9 @@ with concurrent.futures.ThreadPoolExecutor(4) as pool:
     pictures = {picture.tobytes() for picture in pool.map(lambda k: run.render(size="80x60"), range(8))}
 print(len(pictures))
 """
-        said = subprocess.check_output([sys.executable, "-c", script, model_folder("cap")],
+        output = subprocess.check_output([sys.executable, "-c", script, model_folder("cap")],
                                        text=True, timeout=120)
-        self.assertEqual(said, "1\n")
+        self.assertEqual(output, "1\n")
 
 
 class Families(unittest.TestCase):

@@ -23,10 +23,10 @@ using test::kOrigin;
 double cpuSeconds(const std::filesystem::path& folder, const std::string& command) {
   double least = INFINITY;
   for (int k = 0; k < 2; ++k) {
-    const std::string said = test::outputOf(
+    const std::string output = test::outputOf(
         fmt::format("cd '{}' && bash -c 'TIMEFORMAT=%U; {{ time {} > log 2>&1; }} 2>&1'",
                     folder.string(), command));
-    least = std::min(least, std::strtod(said.c_str(), nullptr));
+    least = std::min(least, std::strtod(output.c_str(), nullptr));
   }
   return least;
 }

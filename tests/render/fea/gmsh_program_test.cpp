@@ -68,10 +68,10 @@ std::string checked(const fea::ElementMesh& mesh) {
 
 /// Expects that gmsh -check reports no error for a mesh.
 void expectCoherent(const fea::ElementMesh& mesh) {
-  const std::string said = checked(mesh);
-  EXPECT_THAT(said, testing::HasSubstr("Done checking mesh coherence"));
-  EXPECT_THAT(said, testing::Not(testing::HasSubstr("Error"))) << said;
-  EXPECT_THAT(said, testing::Not(testing::HasSubstr("Warning"))) << said;
+  const std::string output = checked(mesh);
+  EXPECT_THAT(output, testing::HasSubstr("Done checking mesh coherence"));
+  EXPECT_THAT(output, testing::Not(testing::HasSubstr("Error"))) << output;
+  EXPECT_THAT(output, testing::Not(testing::HasSubstr("Warning"))) << output;
 }
 
 TEST(GmshProgram, FindsNothingTwice) {

@@ -52,10 +52,10 @@ struct SheetStiffness {
 };
 
 SheetStiffness sheetStiffness(const std::string& words) {
-  std::istringstream said(test::outputOf(
+  std::istringstream output(test::outputOf(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/sheet_stiffness.py' " + words));
   SheetStiffness found;
-  said >> found.stiffness >> found.pieces;
+  output >> found.stiffness >> found.pieces;
   return found;
 }
 
@@ -265,10 +265,10 @@ std::vector<double> neckByDeck(const model::Model& model, const writers::NeckSha
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
   writeTextFile(file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
-  std::istringstream said(test::outputOf(fmt::format(
+  std::istringstream output(test::outputOf(fmt::format(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/neck_compliance.py' '{}' {} {}",
       file.string(), neck.width, moment)));
-  return {std::istream_iterator<double>(said), {}};
+  return {std::istream_iterator<double>(output), {}};
 }
 
 /// The same for a neck without a length.
@@ -322,11 +322,11 @@ std::vector<double> deckStiffness(const std::vector<model::Tile>& tiles,
   const std::string deck =
       fea::meshDeck(fea::makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
   const std::string words = "is a rotational spring of ";
-  std::istringstream said(deck.substr(deck.find(words) + words.size(), 40));
+  std::istringstream output(deck.substr(deck.find(words) + words.size(), 40));
   std::vector<double> found(1);
   std::string to;
-  said >> found[0] >> to;
-  if (to == "to") said >> found.emplace_back();
+  output >> found[0] >> to;
+  if (to == "to") output >> found.emplace_back();
   return found;
 }
 
@@ -335,11 +335,11 @@ TEST_F(NeckSheet, DecksContainTheStiffnessOfTheirNecks) {
   const double width = 0.1;
   for (const double angle : {60.0, 90.0, 120.0}) {
     const NeckPair pair = pairOf(tableTile(angle), tableTile(angle));
-    const std::vector<double> said =
+    const std::vector<double> output =
         deckStiffness(pair.model.tiles, pair.model.joints, {.width = width});
-    ASSERT_EQ(said.size(), 1U);
+    ASSERT_EQ(output.size(), 1U);
     const double found = 1e9 * 0.002 * width * width / cornerByDeck(pair.model, width).at(0);
-    EXPECT_NEAR(said[0] / found, 1, 0.01) << angle;  // measured: misses by 9e-4 at most
+    EXPECT_NEAR(output[0] / found, 1, 0.01) << angle;  // measured: misses by 9e-4 at most
   }
   // Also with a length. Different necks have a range.
   const NeckPair triangles = pairOf(tableTile(60), tableTile(60));

@@ -17,7 +17,7 @@ int numberAfter(const std::string& output, const std::string& label) {
 }
 
 /// The output of a program for a mesh of four hinged squares.
-std::string judgement(const std::string& command, const std::string& name) {
+std::string reportOf(const std::string& command, const std::string& name) {
   const test::Layout layout = test::hingedSquares();
   const test::TemporaryFolder folder;
   writers::writeMesh(folder / name, layout.bricks, layout.poses);
@@ -26,17 +26,17 @@ std::string judgement(const std::string& command, const std::string& name) {
 
 TEST(MeshTools, AssimpCountsMeshesAndFaces) {
   if (!test::hasProgram("assimp")) GTEST_SKIP() << "install assimp-utils to check meshes with it";
-  const std::string obj = judgement("assimp info", "state.obj");
+  const std::string obj = reportOf("assimp info", "state.obj");
   EXPECT_EQ(numberAfter(obj, "Meshes:"), 4);
   EXPECT_EQ(numberAfter(obj, "Faces:"), 48);
-  const std::string ply = judgement("assimp info", "state.ply");
+  const std::string ply = reportOf("assimp info", "state.ply");
   EXPECT_EQ(numberAfter(ply, "Meshes:"), 1);
   EXPECT_EQ(numberAfter(ply, "Faces:"), 48);
 }
 
 TEST(MeshTools, AdmeshFindsFourValidParts) {
   if (!test::hasProgram("admesh")) GTEST_SKIP() << "install admesh to check STL files with it";
-  const std::string report = judgement("admesh", "state.stl");
+  const std::string report = reportOf("admesh", "state.stl");
   EXPECT_EQ(numberAfter(report, "Number of parts       :"), 4) << report;
   EXPECT_EQ(numberAfter(report, "Number of facets                 :"), 48);
   EXPECT_EQ(numberAfter(report, "Facets reversed       :"), 0);

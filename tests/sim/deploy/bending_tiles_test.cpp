@@ -261,13 +261,13 @@ TEST(BendingTiles, ReportWhyTheyStayRigid) {
   // Folds are enough. A warning reports the tiles that stay rigid.
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
-  std::string said;
+  std::string warnings;
   deploy::deploy(scene, 0.1, nullptr, [&](const run::SearchNews& news) {
-    said += news.warning;
+    warnings += news.warning;
     return true;
   });
-  EXPECT_THAT(said, HasSubstr("4 of 4 tiles have more than three corners and stay rigid. "
-                              "`split_tiles` lets them bend"));
+  EXPECT_THAT(warnings, HasSubstr("4 of 4 tiles have more than three corners and stay rigid. "
+                                  "`split_tiles` lets them bend"));
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST(Obstacles, CarryTheWeightOfBricksOnThem) {
   }
 }
 
-// An obstacle is no body of a solver: without contact every bit stays the same.
+// An obstacle is not a body of a solver: without contact every bit stays the same.
 TEST(Obstacles, ChangeNothingWithoutContact) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = 3;

@@ -583,10 +583,10 @@ std::string gridWith(const std::string& more, const std::string& cutStyle = "str
   return page("<g transform=\"translate(100 100)\">" + lines + "</g>" + more + "</g>");
 }
 
-void expectPlainGrid(const Reading& reading, const std::string& said) {
+void expectPlainGrid(const Reading& reading, const std::string& part) {
   expectGrid(reading, SlitGrid(4, [] { return 1.0; }),
              Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
-  EXPECT_THAT(reading.note, HasSubstr(said));
+  EXPECT_THAT(reading.note, HasSubstr(part));
 }
 
 TEST(CutPatterns, OtherLinesAreRecognised) {
@@ -1106,7 +1106,7 @@ TEST(CutPatterns, ListsTheLinesThatItIgnores) {
   }
 }
 
-// A star of twelve points is no slot, though its perimeter is long.
+// A star of twelve points is not a slot, although its perimeter is long.
 TEST(OpeningTips, StarsHaveTipsAndSlotsHaveNone) {
   std::vector<Point> star;
   for (int k = 0; k < 24; ++k) {

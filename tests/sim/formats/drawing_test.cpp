@@ -266,7 +266,7 @@ TEST(SvgDrawing, InvisibleLinesAreNotCut) {
               ElementsAre(Pair("clip-path, which is not applied", 1)));
 }
 
-// Lines end at the border of their clip path, and those outside are no lines.
+// Lines end at the border of their clip path, and those outside are omitted.
 TEST(SvgDrawing, ClipPathsEndLines) {
   const auto clipped = [](const std::string& lines) {
     return shapes(

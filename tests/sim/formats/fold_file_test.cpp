@@ -35,7 +35,7 @@ using nlohmann::json;
 
 struct ReadSheet {
   model::Model model;
-  std::string said;  ///< warnings, or the error, the folder's name replaced by "@"
+  std::string messages;  ///< warnings, or the error, the folder's name replaced by "@"
 };
 
 ReadSheet readText(const std::string& text, const formats::ReadSettings& settings = {},
@@ -46,14 +46,14 @@ ReadSheet readText(const std::string& text, const formats::ReadSettings& setting
   std::vector<std::string> warnings;
   try {
     sheet.model = formats::readModel(folder.path() / name, std::nullopt, warnings, settings);
-    for (const std::string& warning : warnings) sheet.said += warning;
+    for (const std::string& warning : warnings) sheet.messages += warning;
   } catch (const InputError& error) {
-    sheet.said = error.what();
+    sheet.messages = error.what();
   }
   const std::string place = folder.path().string();
-  for (std::size_t at = sheet.said.find(place); at != sheet.said.npos;
-       at = sheet.said.find(place)) {
-    sheet.said.replace(at, place.size(), "@");
+  for (std::size_t at = sheet.messages.find(place); at != sheet.messages.npos;
+       at = sheet.messages.find(place)) {
+    sheet.messages.replace(at, place.size(), "@");
   }
   return sheet;
 }
@@ -136,11 +136,11 @@ TEST(FoldFile, FacesMayHaveTheirOwnVertices) {
       for (const auto& [pair, angle] : model.foldAngles) angles.insert(angle);
       return angles;
     };
-    EXPECT_EQ(signs(sheet.model), signs(whole)) << sheet.said;
+    EXPECT_EQ(signs(sheet.model), signs(whole)) << sheet.messages;
     EXPECT_EQ(std::ranges::max(joinedCorners(sheet.model).numbers()),
               std::ranges::max(joinedCorners(whole).numbers()))
-        << sheet.said;
-    EXPECT_EQ(sheet.said.find("not read"), sheet.said.npos) << sheet.said;
+        << sheet.messages;
+    EXPECT_EQ(sheet.messages.find("not read"), sheet.messages.npos) << sheet.messages;
   }
 }
 
@@ -157,14 +157,14 @@ TEST(FoldFile, FramesMayHaveTheirOwnUnits) {
   ASSERT_TRUE(model.target);
   EXPECT_NEAR((cornerOf(*model.target, 1, 1) - Vector3(2e-3, 0, 1e-4)).norm(), 0, 1e-15);
   EXPECT_NE(readText(edited(twoSquares(), {{"frame_unit", "inch"}}).dump())
-                .said.find("frame_unit \"inch\" is not known"),
+                .messages.find("frame_unit \"inch\" is not known"),
             std::string::npos);
 }
 
 TEST(FoldFile, RefusesBoundariesInsideASheetWithoutFaces) {
   json file = edited(twoSquares(), {{"edges_assignment", {"B", "B", "B", "B", "B", "B", "B"}}});
   file.erase("faces_vertices");
-  EXPECT_EQ(readText(file.dump()).said,
+  EXPECT_EQ(readText(file.dump()).messages,
             "@/a.fold: error: boundary edges (B) near vertex 1 have the sheet on both sides. Give "
             "cuts the letter C, or add faces_vertices");
 }
@@ -256,11 +256,11 @@ TEST(FoldFile, TakesBothNamesOfAngles) {
   const json angles = {0, 90, 0, 0, 0, 0, 0};
   for (const char* name : {"edges_foldAngles", "edges_foldAngle"}) {
     const ReadSheet sheet = readText(edited(twoSquares(), {{name, angles}}).dump());
-    EXPECT_EQ(sheet.said, "");
+    EXPECT_EQ(sheet.messages, "");
     ASSERT_TRUE(sheet.model.target) << name;
     EXPECT_LT((cornerOf(*sheet.model.target, 1, 1) - Vector3(1, 0, 1)).norm(), 1e-15);
   }
-  EXPECT_EQ(readText(edited(twoSquares(), {{"edges_foldAngles", {1}}}).dump()).said,
+  EXPECT_EQ(readText(edited(twoSquares(), {{"edges_foldAngles", {1}}}).dump()).messages,
             "@/a.fold: error: edges_foldAngles is [1], but 7 edges need as many angles. Correct or "
             "delete it");
 }
@@ -268,7 +268,7 @@ TEST(FoldFile, TakesBothNamesOfAngles) {
 TEST(FoldFile, LettersGiveTheSign) {
   // Folded by 180 degrees, the square lies on the other one; by 90 degrees it is upright.
   const ReadSheet flat = readText(twoSquares().dump());
-  EXPECT_EQ(flat.said,
+  EXPECT_EQ(flat.messages,
             "@/a.fold: warning: 1 edge has a letter (M or V) but no angle and folds by 180 "
             "degrees. `fold = FRACTION` sets another fraction of 180");
   ASSERT_TRUE(flat.model.target);
@@ -283,10 +283,10 @@ TEST(FoldFile, LettersGiveTheSign) {
   EXPECT_DOUBLE_EQ(upright.model.foldAngles.at({0, 1}), -90 * kDegree);
   // Given angles count. Letters of a folded form do not define its folds.
   const json zero = {{"edges_foldAngle", {0, 0, 0, 0, 0, 0, 0}}};
-  EXPECT_EQ(readText(edited(twoSquares(), zero).dump()).said,
+  EXPECT_EQ(readText(edited(twoSquares(), zero).dump()).messages,
             "@/a.fold: warning: 1 edge has a letter (M or V) and the angle 0, so nothing folds; "
             "remove edges_foldAngle to fold by the letters");
-  EXPECT_EQ(readText(edited(twoSquares(), zero).dump(), half).said,
+  EXPECT_EQ(readText(edited(twoSquares(), zero).dump(), half).messages,
             "@/a.fold: error: `fold` is given, but no edge has a letter (M or V) without an angle; "
             "remove `fold`, or the angles from the file");
   const json folded = edited(twoSquares(), {{"frame_classes", {"foldedForm"}}});
@@ -317,7 +317,7 @@ TEST(FoldFile, FoldsSheetsInAnyPlane) {
     const Matrix3 tilted = rotationFromVector(Vector3(0.3, 2, -1)).toRotationMatrix();
     for (const Matrix3& turn : {upright, below, tilted}) {
       const ReadSheet read = readText(turned(sheet, turn).dump());
-      ASSERT_TRUE(read.model.target) << read.said;
+      ASSERT_TRUE(read.model.target) << read.messages;
       const model::Model inOrder = model::inFileOrder(read.model);
       const model::Model flatInOrder = model::inFileOrder(flat);
       for (int tile = 0; tile < 2; ++tile) {
@@ -361,7 +361,7 @@ TEST(FoldFile, TakesFlatFoldedFormsWithOtherAnglesAsPatterns) {
   const json file = edited(twoSquares(), {{"frame_classes", {"foldedForm"}},
                                           {"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
   const ReadSheet sheet = readText(file.dump());
-  EXPECT_EQ(sheet.said,
+  EXPECT_EQ(sheet.messages,
             "@/a.fold: warning: the frame is a foldedForm, but flat and with fold angles; it is "
             "read as a creasePattern");
   ASSERT_TRUE(sheet.model.target);
@@ -379,7 +379,7 @@ TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
   file["file_frames"] = {state(0.6, 0.8), state(0, 1), state(0.8, 0.6)};
   const ReadSheet sheet = readText(file.dump());
   EXPECT_EQ(
-      sheet.said,
+      sheet.messages,
       "@/a.fold: warning: of frames 0-3, frame 0 is the start, frames 1, 2, 3 are targets one "
       "after the other; `frame = N` reads frame N only");
   ASSERT_EQ(sheet.model.waypoints.size(), 2U);
@@ -396,7 +396,7 @@ TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
   EXPECT_EQ(cornerOf(second.model.tiles, 1, 1), Vector3(1, 0, 1));
   EXPECT_FALSE(second.model.target);
   one.frame = 4;
-  EXPECT_EQ(readText(file.dump(), one).said,
+  EXPECT_EQ(readText(file.dump(), one).messages,
             "@/a.fold: error: there are frames 0-3, not frame 4; correct `frame`");
 }
 
@@ -418,7 +418,7 @@ TEST(FoldFile, FramesWithAnglesAreTargetsInTurn) {
                          foldedBy({0, -90, 0, 0, 0, 0, 0})};
   const ReadSheet sheet = readText(file.dump());
   EXPECT_EQ(
-      sheet.said,
+      sheet.messages,
       "@/a.fold: warning: of frames 0-3, frame 0 is the start, frames 1, 2, 3 are targets one "
       "after the other; `frame = N` reads frame N only");
   ASSERT_EQ(sheet.model.waypoints.size(), 2U);
@@ -458,10 +458,10 @@ TEST(FoldFile, FramesWithAnglesNeedAFlatStartAndAnglesThatFit) {
   json file = twoSquares();
   file["vertices_coords"] = json::parse("[[0,0],[1,0],[1,0,1],[1,1,1],[1,1],[0,1]]");
   file["file_frames"] = {foldedBy({0, 60, 0, 0, 0, 0, 0})};
-  EXPECT_EQ(readText(file.dump()).said,
+  EXPECT_EQ(readText(file.dump()).messages,
             "@/a.fold: warning: 1 frame is not read, because fold angles need a flat start");
   file["file_frames"] = {foldedBy({0, 60})};
-  EXPECT_EQ(readText(file.dump()).said,
+  EXPECT_EQ(readText(file.dump()).messages,
             "@/a.fold: error: edges_foldAngle is [0,60], but 7 edges need as many angles. Correct "
             "or delete it");
 }
@@ -472,27 +472,28 @@ TEST(FoldFile, ChainsHaveOneWarningOfEachKind) {
       json::parse(R"({"vertices_coords": [[0,0],[1,0],[2,0],[0,1],[1,1],[2,1],[0,2],[1,2],[2,2]],
       "faces_vertices": [[0,1,4,3],[1,2,5,4],[3,4,7,6],[4,5,8,7]],
       "edges_vertices": [[1,4],[4,7],[3,4],[4,5]], "edges_assignment": ["V","V","V","V"]})");
-  const auto saidWith = [&](const json& frames) {
+  const auto messagesWith = [&](const json& frames) {
     file["file_frames"] = frames;
-    const std::string said = readText(file.dump()).said;
-    return said.substr(said.rfind("@/"));  // after the line about frames
+    const std::string messages = readText(file.dump()).messages;
+    return messages.substr(messages.rfind("@/"));  // after the line about frames
   };
   json frames = {foldedBy({10, 10, 0, 0}), foldedBy({90, 0, 0, 0}), foldedBy({0, 60, 0, 0})};
-  EXPECT_THAT(saidWith(frames),
+  EXPECT_THAT(messagesWith(frames),
               testing::MatchesRegex("@/a.fold: warning: the fold angles of 2 frames \\(first: 2\\) "
                                     "would open joints by up to .* \\(the file's unit\\). These "
                                     "frames are not read"));
   frames.erase(2);
-  EXPECT_THAT(saidWith(frames), testing::HasSubstr("the fold angles of frame 2 would open joints"));
+  EXPECT_THAT(messagesWith(frames),
+              testing::HasSubstr("the fold angles of frame 2 would open joints"));
   file["file_frames"] = json(9, foldedBy({10, 10, 0, 0}));
-  EXPECT_THAT(readText(file.dump()).said, testing::HasSubstr("frames 1-9 are targets"));
+  EXPECT_THAT(readText(file.dump()).messages, testing::HasSubstr("frames 1-9 are targets"));
   json stretched = json::array();
   for (const double length : {1.0, 1.001, 1.002}) {
     json places = file["vertices_coords"];
     for (const int corner : {2, 5, 8}) places[corner][0] = 1 + length;
     stretched.push_back({{"frame_inherit", true}, {"vertices_coords", places}});
   }
-  EXPECT_EQ(saidWith(stretched),
+  EXPECT_EQ(messagesWith(stretched),
             "@/a.fold: warning: 4 target tiles have slightly different shapes in 2 of 3 targets. "
             "Here a length differs most, by 0.002. Rigid tiles can only come near these targets");
 }
@@ -547,7 +548,7 @@ TEST(FoldFile, SeriesMayHaveNoCoordinatesInFrame0) {
     file["file_frames"].push_back({{"frame_inherit", true}, {"vertices_coords", state}});
   }
   const ReadSheet sheet = readText(file.dump());
-  EXPECT_EQ(sheet.said, "");
+  EXPECT_EQ(sheet.messages, "");
   ASSERT_TRUE(sheet.model.target);
   EXPECT_EQ(cornerOf(*sheet.model.target, 1, 1), Vector3(1, 0, 1));
 }
@@ -559,7 +560,7 @@ TEST(FoldFile, IndependentFramesAreIndependentModels) {
       {"vertices_coords": [[0,0],[1,0],[0,1]], "faces_vertices": [[0,1,2]]},
       {"frame_inherit": true, "frame_parent": 2, "frame_title": "the same triangle"}])");
   const ReadSheet sheet = readText(file.dump());
-  EXPECT_EQ(sheet.said,
+  EXPECT_EQ(sheet.messages,
             "@/a.fold: warning: of frames 0-3, frame 0 is the start, and 3 others are not read; "
             "`frame = N` reads frame N only");
   EXPECT_EQ(sheet.model.tiles.size(), 2U);
@@ -570,15 +571,15 @@ TEST(FoldFile, IndependentFramesAreIndependentModels) {
     EXPECT_EQ(readText(file.dump(), settings).model.tiles.size(), 1U) << frame;
   }
   settings.frame = 1;
-  EXPECT_EQ(readText(file.dump(), settings).said,
+  EXPECT_EQ(readText(file.dump(), settings).messages,
             "@/a.fold: error: the edges enclose no face. Close the outline of the sheet, or add "
             "faces_vertices");
   file["file_frames"][2]["frame_parent"] = 3;
-  EXPECT_EQ(readText(file.dump()).said,
+  EXPECT_EQ(readText(file.dump()).messages,
             "@/a.fold: error: frame 3 inherits from itself. Correct frame_parent");
   file["file_frames"][2]["frame_parent"] = 9;
   EXPECT_EQ(
-      readText(file.dump()).said,
+      readText(file.dump()).messages,
       "@/a.fold: error: frame 3 has the frame_parent 9, but there are frames 0-3; correct it");
 }
 
@@ -586,7 +587,7 @@ TEST(FoldFile, SlitsAndRepeatedVerticesMoveNothing) {
   // A slit from the middle of a side to the middle of the square, and a corner listed twice.
   const ReadSheet slit = readText(R"({"vertices_coords": [[0,0],[2,0],[2,2],[1,2],[0,2],[1,1]],
       "faces_vertices": [[0,1,1,2,3,5,3,4]]})");
-  EXPECT_EQ(slit.said, "");
+  EXPECT_EQ(slit.messages, "");
   ASSERT_EQ(slit.model.tiles.size(), 1U);
   EXPECT_EQ(slit.model.tiles[0].vertices.size(), 5U);
   // A slit with a bend, and a branch.
@@ -676,16 +677,16 @@ TEST(FoldFile, FindsHolesByBoundaries) {
   EXPECT_EQ(readText(ring.dump()).model.tiles.size(), 5U);
   // Unconnected, the inner square would make a hole in a tile.
   for (int k = 0; k < 4; ++k) ring["edges_vertices"].erase(8);
-  EXPECT_EQ(readText(ring.dump()).said,
+  EXPECT_EQ(readText(ring.dump()).messages,
             "@/a.fold: error: the face at vertex 0 has a separate drawing inside, at vertex 4. "
             "Tiles cannot have holes. Connect the two by an edge, or add faces_vertices");
   ring["edges_vertices"] = json::parse("[[0,1],[1,2],[2,3],[3,0],[0,2],[1,3]]");
-  EXPECT_EQ(readText(ring.dump()).said,
+  EXPECT_EQ(readText(ring.dump()).messages,
             "@/a.fold: error: edges 4 and 5 cross without a common vertex, and faces_vertices is "
             "missing. Split the edges at a common vertex");
   ring["vertices_coords"][4] = {1.5, 0};
   ring["edges_vertices"] = json::parse("[[0,1],[1,2],[2,3],[3,0],[4,2]]");
-  EXPECT_EQ(readText(ring.dump()).said,
+  EXPECT_EQ(readText(ring.dump()).messages,
             "@/a.fold: error: edges 0 and 4 touch without a common vertex, and faces_vertices is "
             "missing. Split the edges at a common vertex");
 }
@@ -699,7 +700,7 @@ TEST(FoldFile, TakesFacesAndEdgesInOtherWords) {
   file["faces_edges"] = json::parse("[[0,1,2,3],[4,5,6,1]]");
   EXPECT_EQ(readText(file.dump()).model.tiles.size(), 2U);
   file["faces_edges"] = json::parse("[[0,5,2,3]]");
-  EXPECT_EQ(readText(file.dump()).said,
+  EXPECT_EQ(readText(file.dump()).messages,
             "@/a.fold: error: face 0 has the consecutive edges 0 and 5, which have no common "
             "vertex. Correct faces_edges, or write faces_vertices");
   for (const char* key : {"faces_edges", "edges_vertices", "edges_assignment"}) file.erase(key);
@@ -714,7 +715,7 @@ TEST(FoldFile, CountsWhatIsNotRead) {
                                           {"faces_colors", {1, 2}},
                                           {"edges_length", {1, 1, 1, 1, 1, 1, 1}}});
   EXPECT_EQ(
-      readText(file.dump()).said,
+      readText(file.dump()).messages,
       "@/a.fold: warning: not read: the order of layers in faceOrders, 2 keys of other programs "
       "(faces_colors, other:key)");
 }
@@ -726,7 +727,7 @@ TEST(FoldFile, CountsEdgesOfNoFace) {
       "edges_assignment": ["B","B","B","B","F","F"], "edges_foldAngle": [0,0,0,0,0,0],
       "faces_vertices": [[0,1,2,3]]})");
   const ReadSheet read = readText(file.dump());
-  EXPECT_EQ(read.said,
+  EXPECT_EQ(read.messages,
             "@/a.fold: warning: 2 edges are sides of no face and are not read, edge 4 is the "
             "first; split the faces there, or delete the edges");
   EXPECT_EQ(read.model.tiles.size(), 1U);
@@ -739,24 +740,24 @@ TEST(FoldFile, CountsEdgesOfNoFace) {
     file[key].erase(5);
   }
   file["faces_vertices"] = json::parse("[[0,1,2],[0,2,3]]");
-  EXPECT_EQ(readText(file.dump()).said, "");
+  EXPECT_EQ(readText(file.dump()).messages, "");
 }
 
 TEST(FoldFile, CountsFoldsAtTheBorderAndLettersAgainstAngles) {
   json file = twoSquares();
   file["edges_assignment"][4] = "M";
   file["edges_foldAngle"] = {0, -90, 0, 0, 0, 0, 0};
-  const std::string said = readText(file.dump()).said;
-  EXPECT_THAT(said,
+  const std::string messages = readText(file.dump()).messages;
+  EXPECT_THAT(messages,
               testing::HasSubstr("@/a.fold: warning: 1 fold (M or V) has a face on one side "
                                  "only and does not fold, edge 4 is the first; draw the border of "
                                  "the sheet (B) around them"));
-  EXPECT_THAT(said,
+  EXPECT_THAT(messages,
               testing::HasSubstr("@/a.fold: warning: 1 edge has a letter (M or V) against the sign "
                                  "of its angle, which decides, edge 1 is the first; a mountain has "
                                  "an angle < 0, a valley > 0"));
   file = edited(twoSquares(), {{"edges_foldAngle", {0, 90, 0, 0, 0, 0, 0}}});
-  EXPECT_EQ(readText(file.dump()).said, "");
+  EXPECT_EQ(readText(file.dump()).messages, "");
 }
 
 TEST(FoldFile, KeepsTitlesAuthorAndDescriptions) {
@@ -884,16 +885,16 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
         "f 1 2 3 4 1\nf 2 5 6 3 NaN\n", "f 1 2 3 4 4 4\nf 2 2 5 6 3 nan NaN\n",
         "# a comment \\\nf 1 2 3 4\nfo 2 5 6 3\n"}) {
     const ReadSheet sheet = readText(twoTriangles(faces), {}, "a.obj");
-    ASSERT_EQ(sheet.model.tiles.size(), 2U) << faces << sheet.said;
+    ASSERT_EQ(sheet.model.tiles.size(), 2U) << faces << sheet.messages;
     EXPECT_EQ(sheet.model.tiles[1].vertices.size(), 4U) << faces;
     EXPECT_EQ(sheet.model.joints.size(), 2U) << faces;
   }
   const ReadSheet fortran = readText(
       "v 0.0D+00 0 0\nv +1.0D+00 0 0\nv 1.0d0 10.0D-01 0\nv NaN NaN NaN\nf 1 2 3 4\n", {}, "a.obj");
-  ASSERT_EQ(fortran.model.tiles.size(), 1U) << fortran.said;
+  ASSERT_EQ(fortran.model.tiles.size(), 1U) << fortran.messages;
   EXPECT_EQ(fortran.model.tiles[0].vertices[2], Vector3(1, 1, 0));
   EXPECT_EQ(
-      fortran.said,
+      fortran.messages,
       "@/a.obj:5: repaired: in 1 of 1 tiles a vertex is listed again, or NaN in place of one; "
       "removed as padding");
 }
@@ -925,7 +926,7 @@ TEST(MeshFile, JoinsObjectsAtCommonCorners) {
       text += face + "\n";
     }
     const ReadSheet read = readText(text, {}, "a.obj");
-    EXPECT_EQ(joinedCorners(read.model).numbers(), joinedCorners(sheet).numbers()) << read.said;
+    EXPECT_EQ(joinedCorners(read.model).numbers(), joinedCorners(sheet).numbers()) << read.messages;
   }
 }
 
@@ -945,14 +946,14 @@ TEST(RoundTrips, KeepTheUnit) {
 
 TEST(MeshFile, ReportsOtherContentOfObj) {
   EXPECT_EQ(
-      readText(twoTriangles("f 1 2 3 4\nl 1 2\nl 2 3\np 1\ng a\nusemtl b\n"), {}, "a.obj").said,
+      readText(twoTriangles("f 1 2 3 4\nl 1 2\nl 2 3\np 1\ng a\nusemtl b\n"), {}, "a.obj").messages,
       "@/a.obj: warning: ignored statements: l (2), p (1)");
-  EXPECT_EQ(readText(twoTriangles("f 1 2 \\\n 3 9\n"), {}, "a.obj").said,
+  EXPECT_EQ(readText(twoTriangles("f 1 2 \\\n 3 9\n"), {}, "a.obj").messages,
             "@/a.obj:8:4: error: there are only vertices 1-6 before this line, not 9; correct this "
             "number, or move the face below its vertices");
   // Keywords may be capitals.
   EXPECT_EQ(readText("V 0 0 0\nV 1 0 0\nV 1 1 0\nF 1 2 3\n", {}, "a.obj").model.tiles.size(), 1U);
-  EXPECT_EQ(readText(twoTriangles("f 1 2 2 1 NaN\n"), {}, "a.obj").said,
+  EXPECT_EQ(readText(twoTriangles("f 1 2 2 1 NaN\n"), {}, "a.obj").messages,
             "@/a.obj:7: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
             "the line");
 }
@@ -991,19 +992,19 @@ TEST(MeshFile, JoinsTrianglesOfOneTile) {
   for (const std::string& text : {shared, own + faces}) {
     const ReadSheet apart = readText(text, {}, "a.obj");
     EXPECT_EQ(apart.model.tiles.size(), 4U);
-    EXPECT_EQ(apart.said,
+    EXPECT_EQ(apart.messages,
               "@/a.obj: warning: 4 faces are probably 2 tiles cut to triangles. `join_coplanar` "
               "joins coplanar faces with a common edge");
     const ReadSheet joined = readText(text, join, "a.obj");
-    EXPECT_EQ(joined.said, "");
+    EXPECT_EQ(joined.messages, "");
     ASSERT_EQ(joined.model.tiles.size(), 2U);
     EXPECT_EQ(joined.model.tiles[0].vertices.size(), 4U);
     EXPECT_EQ(joined.model.joints.size(), 1U);
   }
-  EXPECT_EQ(readText(shared + "# joint 0 0 1 0 1\n", join, "a.obj").said,
+  EXPECT_EQ(readText(shared + "# joint 0 0 1 0 1\n", join, "a.obj").messages,
             "@/a.obj:12: error: this comment names a joint of two faces, but `join_coplanar` "
             "changes faces. Remove `join_coplanar` or these comments");
-  EXPECT_EQ(readText(twoSquares().dump(), join).said,
+  EXPECT_EQ(readText(twoSquares().dump(), join).messages,
             "@/a.fold: error: `join_coplanar` is only for OBJ and PLY meshes. Remove it");
 }
 
@@ -1015,7 +1016,7 @@ TEST(MeshFile, TakesPaddedPly) {
   for (const char* faces :
        {"3 0 1 2\n3 1 3 2\n", "4 0 1 2 2\n4 1 3 2 -1\n", "4 0 1 2 0\n4 1 3 2 4\n"}) {
     const ReadSheet sheet = readText(head + faces, {}, "a.ply");
-    ASSERT_EQ(sheet.model.tiles.size(), 2U) << faces << sheet.said;
+    ASSERT_EQ(sheet.model.tiles.size(), 2U) << faces << sheet.messages;
     EXPECT_EQ(sheet.model.tiles[1].vertices.size(), 3U);
     EXPECT_EQ(sheet.model.joints.size(), 2U);
   }

@@ -118,7 +118,7 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
 }
 
 /// A sheet whose vertices are moved by up to `part` of a metre, at the start and the target.
-model::Model shaken(double part) {
+model::Model perturbed(double part) {
   model::Model model = sheet(3, 3);
   std::mt19937 random(7);
   const auto share = [&] { return random() / 4294967296.0 - 0.5; };
@@ -152,7 +152,7 @@ double farthestImage(const std::vector<model::Tile>& tiles,
 }
 
 TEST(Symmetry, NearlySymmetricTilesBecomeSymmetricToRounding) {
-  model::Model model = shaken(2e-10);
+  model::Model model = perturbed(2e-10);
   const std::vector<model::Symmetry> exact = model::symmetriesOf(sheet(3, 3));
   ASSERT_EQ(model::symmetriesOf(model).size(), exact.size());
   EXPECT_GT(farthestImage(model.tiles, exact), 1e-10);
@@ -170,7 +170,7 @@ TEST(Symmetry, NearlySymmetricTilesBecomeSymmetricToRounding) {
 }
 
 TEST(Symmetry, SymmetricAndRoundedTilesStayAsTheyAre) {
-  model::Model symmetric = sheet(3, 3), rounded = shaken(2e-10);
+  model::Model symmetric = sheet(3, 3), rounded = perturbed(2e-10);
   rounded.rounding = 1e-9;
   for (model::Model* model : {&symmetric, &rounded}) {
     const model::Model before = *model;
@@ -182,7 +182,7 @@ TEST(Symmetry, SymmetricAndRoundedTilesStayAsTheyAre) {
 }
 
 TEST(Symmetry, IsometriesOfNearlySymmetricTilesAreAGroupToRounding) {
-  const std::vector<model::Symmetry> group = model::symmetriesOf(shaken(2e-10));
+  const std::vector<model::Symmetry> group = model::symmetriesOf(perturbed(2e-10));
   for (const model::Symmetry& a : group) {
     for (const model::Symmetry& b : group) {
       double nearest = 1;

@@ -21,7 +21,7 @@ constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 
-/// Every stiffness with every damping. Steps and thicknesses alternate, so that all pairs occur.
+/// Every stiffness with every damping. Steps and thicknesses alternate, so all pairs occur.
 void expectStable(scene::Scene scene, int steps) {
   model::alignStartToTarget(scene.model);
   for (int s = 0; s < 5; ++s) {

@@ -341,19 +341,20 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
 }
 
 TEST_F(HingeSpringsOfAScene, RefuseInvalidLines) {
-  const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
-  EXPECT_THAT(said("0 1 -2"),
+  const auto refused = [&](const std::string& line) { return refusal(line + "\n"); };
+  EXPECT_THAT(refused("0 1 -2"),
               EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness in [0, 1e12] N m/rad, or - "
                        "for the value of all hinges; correct it"));
-  EXPECT_THAT(said("0 1 2 a"), HasSubstr("'a' is not a rest angle in [-360, 360] degrees"));
-  EXPECT_THAT(said("0 1 2 3 -1"), HasSubstr("'-1' is not a damping in [0, 1e12] N m s/rad"));
-  EXPECT_THAT(said("0 1 nan"), HasSubstr("'nan' is not a stiffness"));
-  EXPECT_THAT(said("0 4 1"),
+  EXPECT_THAT(refused("0 1 2 a"), HasSubstr("'a' is not a rest angle in [-360, 360] degrees"));
+  EXPECT_THAT(refused("0 1 2 3 -1"), HasSubstr("'-1' is not a damping in [0, 1e12] N m s/rad"));
+  EXPECT_THAT(refused("0 1 nan"), HasSubstr("'nan' is not a stiffness"));
+  EXPECT_THAT(refused("0 4 1"),
               EndsWith(":1:3: error: the model has tiles 0-3, not 4. Correct this number"));
-  EXPECT_THAT(said("0"), HasSubstr("this line has 1 column. A hinge has tile, tile, stiffness"));
-  EXPECT_THAT(said("0 3 1"), EndsWith(":1:1: error: tiles 0 and 3 have no common corner or edge to "
-                                      "rotate about. Remove this line"));
-  EXPECT_THAT(said("0 1 1\n1 0 2"),
+  EXPECT_THAT(refused("0"), HasSubstr("this line has 1 column. A hinge has tile, tile, stiffness"));
+  EXPECT_THAT(refused("0 3 1"),
+              EndsWith(":1:1: error: tiles 0 and 3 have no common corner or edge to "
+                       "rotate about. Remove this line"));
+  EXPECT_THAT(refused("0 1 1\n1 0 2"),
               EndsWith(":2:1: error: this hinge is already on line 1. Remove one of them"));
 }
 
