@@ -373,7 +373,7 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 //
 // Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
-// as the same double (fmt's "{:#}") usually fits. 14 digits with sign, point and exponent always
+// as the same double usually fits. 14 digits with sign, point and exponent always
 // fit: 1 + 1 + 1 + 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below
 // 1e-90 become zero.
 //
@@ -416,8 +416,11 @@ bool isReportableOverlap(double overlap, double thickness) {
 
 std::string deckNumber(double value) {
   if (std::abs(value) < kSmallest) return "0.";
-  // "#" gives every number a point: CalculiX refuses 2500 as a stiffness.
-  const std::string exact = fmt::format("{:#}", value);
+  std::string exact = fmt::format("{}", value);
+  // Every number has a point: CalculiX refuses 2500 as a stiffness. Versions of fmt differ in
+  // "{:#}".
+  if (exact.find('.') == std::string::npos)
+    exact.insert(std::min(exact.find('e'), exact.size()), ".0");
   return exact.size() <= kLongestNumber ? exact : fmt::format("{:#.14g}", value);
 }
 

@@ -58,6 +58,8 @@ TEST(Deck, NumbersFitAndReadBack) {
   }
   EXPECT_EQ(fea::deckNumber(0.1 + 0.2), "0.30000000000000004");
   EXPECT_EQ(fea::deckNumber(-1e-300), "0.");
+  EXPECT_EQ(fea::deckNumber(2500), "2500.0");
+  EXPECT_EQ(fea::deckNumber(-2e22), "-2.0e+22");
   // CalculiX reads a number without point and exponent as an integer.
   for (const double value :
        {0.0, 1.0, -2500.0, 1e15, 123456789012345.0, 1e16, 1e20, 7e-90, 2.0 / 3e-9}) {
