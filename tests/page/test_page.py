@@ -5,6 +5,7 @@ import pathlib
 import random
 import subprocess
 import tempfile
+import time
 import unittest
 
 import browser
@@ -215,6 +216,51 @@ class Pages(unittest.TestCase):
         with Browser(self.page("cylinder")) as window:
             self.assertIn("no energies and forces: kinematic paths have none",
                           window.run("return document.body.textContent"))
+
+    def test_a_link_leads_to_a_moment_and_a_view(self):
+        def shown(window):
+            return window.run(
+                "const {camera, controls} = kirireel.stages[0].viewpoint;"
+                "return [kirireel.player.position, camera.zoom, ...camera.position.toArray(),"
+                "        ...controls.target.toArray()];")
+
+        for model, keys in (("cylinder", "dds+"), ("cylinder", "3"), ("tessellation_4x4", "w+")):
+            with Browser(self.page(model)) as window, self.subTest(model=model, keys=keys):
+                window.move_slider(0.34)
+                window.driver.find_element("tag name", "body").send_keys(keys)
+                picture, expected = window.canvas_picture(), shown(window)
+                window.wait_until("document.getElementById('link').hash.startsWith('#at=0.34')")
+                link = window.run("return document.getElementById('link').href")
+                for words in (link, link.split("#")[0] + "#at=2x&view=77,nan;;"):
+                    window.driver.get("about:blank")
+                    window.driver.get(words)
+                    window.wait_until("window.kirireel !== undefined")
+                    if words != link:
+                        continue
+                    for number, other in zip(shown(window), expected):
+                        self.assertAlmostEqual(number, other, 4)
+                    # Measured 50 and more.
+                    self.assertGreater(browser.likeness(window.canvas_picture(), picture), 40)
+                self.assertEqual(window.messages(), [])
+
+    def test_pictures_are_saved(self):
+        with Browser(self.page("cylinder")) as window, tempfile.TemporaryDirectory() as folder:
+            window.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {
+                "behavior": "allow", "downloadPath": folder})
+            window.move_slider(0.5)
+            ours = window.canvas_picture()
+            window.driver.find_element("id", "save").click()
+            saved = pathlib.Path(folder) / "cylinder_50.0.png"
+            for _ in range(100):
+                if saved.exists():
+                    break
+                time.sleep(0.1)
+            picture = browser.picture_of(saved.read_bytes())
+            height, width = ours.shape[:2]
+            self.assertEqual(picture.shape, (2 * height, 2 * width, 3))
+            halved = picture.reshape(height, 2, width, 2, 3).mean(axis=(1, 3))
+            self.assertGreater(browser.likeness(halved, ours), 30)
+            self.assertEqual(window.messages(), [])
 
     def test_measures_have_their_scale(self):
         with Browser(self.page("tessellation_4x4")) as window:

@@ -85,8 +85,39 @@ class Page {
     this.setUpTheme();
     this.setUpTransport();
     if (this.stages.length > 0) this.setUpStages();
+    window.addEventListener("hashchange", () => this.followLink());
+    this.followLink();
     document.addEventListener("keydown", (event) => this.pressed(event));
     this.moved();
+  }
+
+  // ---- links and pictures
+
+  /** A link to the moment and the views. */
+  get link() {
+    const { progress } = this.player.whereOf(this.player.runs[0]);
+    return `#at=${progress.toFixed(5)}&view=${this.stages.map((stage) => stage.link).join(";")}`;
+  }
+
+  followLink() {
+    const words = new URLSearchParams(location.hash.slice(1));
+    const at = Number(words.get("at") || NaN);
+    if (at >= 0) this.seekProgress(at);
+    (words.get("view") || "").split(";").forEach((view, k) => {
+      if (view && this.stages[k]) this.stages[k].takeLink(view);
+    });
+  }
+
+  savePictures() {
+    const { progress } = this.player.whereOf(this.player.runs[0]);
+    this.stages.forEach((stage, k) => stage.picture((blob) => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(blob);
+      const number = this.stages.length > 1 ? `_${k + 1}` : "";
+      link.download = `${stage.run.name}${number}_${(100 * progress).toFixed(1)}.png`;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    }));
   }
 
   // ---- light and dark
@@ -186,6 +217,7 @@ class Page {
         stage.changed();
       }
     });
+    byId("save").addEventListener("click", () => this.savePictures());
     for (const section of this.sections) this.setUpPointing(section);
     for (const stage of this.stages) stage.onChange = () => this.wake();
     new ResizeObserver(() => this.resized()).observe(byId("stages"));
@@ -300,6 +332,7 @@ class Page {
     this.player.tick(now);
     const isStill = !this.player.isPlaying && performance.now() - this.lastChange > STILL_AFTER;
     for (const stage of this.stages) stage.draw(isStill);
+    if (isStill) byId("link").href = this.link;
     this.isAwake = !isStill;
     if (this.isAwake) requestAnimationFrame((next) => this.tick(next));
   }

@@ -86,6 +86,16 @@ class Viewpoint {
     controls.update();
   }
 
+  /** Moves eye and target to these places. */
+  moveTo([x, y, z, targetX, targetY, targetZ, zoom]) {
+    const { camera, controls } = this;
+    camera.position.set(x, y, z);
+    camera.zoom = zoom;
+    camera.updateProjectionMatrix();
+    controls.target.set(targetX, targetY, targetZ);
+    controls.update();
+  }
+
   /** Height of the picture at the centre, metres, as heightAtCentre() in camera.cpp. */
   heightAtCentre() {
     const { camera } = this;
@@ -250,6 +260,31 @@ class Stage {
     const { fits } = this.view;
     const held = fits.filter((fit) => fit.aspect <= this.viewpoint.aspect * 1.001);
     return held.length > 0 ? held[held.length - 1] : fits[0];
+  }
+
+  /** The view for a link: its number, and if the camera was moved also eye, target and zoom. */
+  get link() {
+    const { camera, controls, isUnmoved } = this.viewpoint;
+    const place = [...camera.position.toArray(), ...controls.target.toArray(), camera.zoom];
+    const numbers = [this.run.views.indexOf(this.view), ...(isUnmoved ? [] : place)];
+    return numbers.map((number) => Number(number.toPrecision(7))).join(",");
+  }
+
+  /** Takes a view from a link. Ignores what is not one. */
+  takeLink(text) {
+    const [index, ...place] = text.split(",").map(Number);
+    if (!this.run.views[index]) return;
+    this.showView(index);
+    if (place.length === 7 && place.every(Number.isFinite)) this.viewpoint.moveTo(place);
+  }
+
+  /** The present picture as a PNG file, as fine as a still one. */
+  picture(onBlob) {
+    // Browsers empty the canvas after each frame.
+    this.isStale = true;
+    this.isFine = false;
+    this.draw(true);
+    this.canvas.toBlob(onBlob, "image/png");
   }
 
   resize() {
