@@ -77,8 +77,8 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
       .serializedAs(
           [&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
   group
-      .value("--font-size", "PT", "by the pictures' size",
-             "size of the grid's text in print, such as 7pt",
+      .value("--font-size", "PT", "7pt; without --width by the pictures' size",
+             "size of the grid's text in print",
              [&](const scene::TypedValue& typed) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })

@@ -43,6 +43,9 @@ struct FrameChoice {
   bool operator==(const FrameChoice&) const = default;
 };
 
+/// Default size of text in print, points.
+inline constexpr double kFontPoints = 7;
+
 /// Selection, style and folder of the pictures of a run. Defaults are those of the command line.
 /// record() and render() check the ranges.
 struct PictureSettings {
@@ -73,8 +76,10 @@ struct PictureSettings {
   std::string inset;
   std::optional<double> dotsPerInch;  ///< stored in PNG files, for print
   std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: not fixed
-  std::optional<double> fontPoints;   ///< size of its text in print; requires gridWidth
-  std::string font;                   ///< family of all text; empty: the program's
+  /// Size of the grid's text in print; requires gridWidth. Absent: kFontPoints with a gridWidth,
+  /// else by the pictures' size.
+  std::optional<double> fontPoints;
+  std::string font;  ///< family of all text; empty: the program's
   picture::PanelLetters letters = picture::PanelLetters::None;  ///< of the grid
   bool sameView = false;   ///< for all rows of a figure of several runs; else each has its own
   bool sameScale = false;  ///< the same for their scale of length
@@ -158,8 +163,8 @@ struct RunSummary : PictureReport {
   run::Outcome outcome = run::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                              ///< one line: reason for the end
   std::optional<bool> atTarget;                    ///< at the end; absent without a target drive
-  std::string shortfall;      ///< why the run counts as incomplete; empty if it is complete
-  double endTime = 0;         ///< simulated seconds
+  std::string shortfall;  ///< why the run counts as incomplete; empty if it is complete
+  double endTime = 0;     ///< simulated seconds
   /// Time at which the first brick was farther away than pictures show (see kFarthestShown),
   /// simulated seconds. Its data continue.
   std::optional<double> leftOutFrom;

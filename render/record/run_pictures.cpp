@@ -699,7 +699,7 @@ picture::GridLayout PanelSheet::layOut(const std::vector<Cut>& cuts,
     largest.width = std::max(largest.width, cut.part.size.width);
     largest.height = std::max(largest.height, cut.part.size.height);
   }
-  if (em_ || settings_.fontPoints) {
+  if (em_ || settings_.gridWidth) {
     style.textSize = textSize(picture::layOutGrid(largest, shape_, style));
   }
   return picture::layOutGrid(largest, shape_, style, picture::captionsOf(pictures_));
@@ -758,7 +758,7 @@ double PanelSheet::pixelsPerInch(const picture::GridLayout& layout) const {
 /// Em of text with a size in print, pixels.
 int PanelSheet::textSize(const picture::GridLayout& layout) const {
   if (em_) return *em_;
-  return picture::emOf(*settings_.fontPoints, pixelsPerInch(layout));
+  return picture::emOf(settings_.fontPoints.value_or(kFontPoints), pixelsPerInch(layout));
 }
 
 /// Each picture is clipped to its part, as cutOut() does with pixels.
