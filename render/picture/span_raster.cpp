@@ -27,7 +27,8 @@ void SpanRaster::clear(int rows, int stripRows) {
   for (std::vector<int>& strip : strips_) strip.clear();
 }
 
-SpanRaster::Side SpanRaster::sideOf(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+SpanRaster::TriangleSide SpanRaster::sideOf(const Eigen::Vector2d& from,
+                                            const Eigen::Vector2d& to) {
   const Eigen::Vector2d along = to - from;
   return {from.x(), from.y(), along.y() > 0 ? along.x() / along.y() : 0};
 }

@@ -30,18 +30,18 @@ class SpanRaster {
 
  private:
   /// x of a side as a function of y.
-  struct Side {
+  struct TriangleSide {
     double x = 0, y = 0, slope = 0;
     double at(double row) const { return x + slope * (row - y); }
   };
   struct Triangle {
     int firstRow = 0, endRow = 0;
     double middle = 0;  ///< y of the middle corner
-    Side longest, lower, upper;
+    TriangleSide longest, lower, upper;
     Sample colour;
   };
 
-  static Side sideOf(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  static TriangleSide sideOf(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   int stripOf(int row) const { return (rows_ - 1 - row) / stripRows_; }
 
   int rows_ = 0;
