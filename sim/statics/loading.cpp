@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -230,8 +231,8 @@ Eigen::VectorXd blockedMoves(const mechanics::LoadedSheet& sheet) {
 }
 
 /// Throws InputError for contradicting grips: the joints do not allow their combined moves. If the
-/// joints block a single [[grip]], this is not an error, because the path reports it at its end. All
-/// axes of a [[grip]] count as one move.
+/// joints block a single [[grip]], this is not an error, because the path reports it at its end.
+/// All axes of a [[grip]] count as one move.
 void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
                       const mechanics::LoadedSheet& sheet) {
   const Eigen::VectorXd blocked = blockedMoves(sheet);
@@ -379,6 +380,9 @@ double timeOf(const run::MechanismPath& path, std::size_t state, double seconds)
   return path.length() > 0 ? seconds * path.lengths[state] / path.length() : 0;
 }
 
+// Folds within this angle of a half turn are closed, radians. Beyond it angles jump.
+constexpr double kClosedFold = 1e-3;
+
 /// The equilibria of bars and hinges, at their times in the playback.
 std::shared_ptr<const trajectory::LoadedPanels> panelsOf(const BarHingeSheet& sheet,
                                                          const mechanics::LoadPath& loaded,
@@ -426,16 +430,39 @@ bool movesOutwards(const std::vector<brick::Brick>& bricks, const Poses& start,
   return grip.amount * grip.direction.dot(place - middle) >= 0;
 }
 
+/// The fold at which two triangles lie on each other in the last state, or null.
+const trajectory::Fold* closedFold(const trajectory::LoadedPanels& panels) {
+  const std::vector<double>& angles = panels.states.back().angles;
+  for (std::size_t k = 0; k < angles.size(); ++k) {
+    if (std::abs(angles[k]) > std::numbers::pi - kClosedFold) return &panels.folds[k];
+  }
+  return nullptr;
+}
+
+/// Why a path ends at a fold that is closed.
+std::string closedFoldText(const trajectory::Fold& fold, double load, int countsFrom) {
+  const auto [a, b] = fold.tiles;
+  const std::string tiles =
+      a == b ? fmt::format("tile {} lies on itself", countsFrom + a)
+             : fmt::format("tiles {} and {} lie on each other", countsFrom + std::min(a, b),
+                           countsFrom + std::max(a, b));
+  return fmt::format("{} at the load {:.4g}: their fold is closed", tiles, load);
+}
+
 /// How the path ended, its stability, and its faults.
 void noteEnd(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
              const mechanics::LoadPath& loaded, const GripOrder& leading,
              run::DeploymentResult& result) {
   const mechanics::Equilibrium& last = loaded.states.back();
   const int modes = last.unstableModes;
+  const trajectory::Fold* closed =
+      result.trajectory.panels ? closedFold(*result.trajectory.panels) : nullptr;
   result.outcome = loaded.arrives ? run::Outcome::Settled : run::Outcome::Locked;
   if (loaded.arrives) {
     result.reason = modes == 0 ? "reached, stable" : "reached, " + counted(modes, "unstable mode");
     result.reason += fmt::format(", through {} equilibria", loaded.states.size());
+  } else if (closed) {
+    result.reason = closedFoldText(*closed, last.load, scene.model.fileOrder.countsFrom);
   } else if (loaded.extent && !leading.name.isTurn) {
     const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
     result.reason = fmt::format("fully {} at {}, at the load {:.4g}", isOut ? "extended" : "closed",

@@ -593,6 +593,46 @@ TEST(Loading, LiftsATileAboutAFold) {
   EXPECT_NEAR(run.elasticity->momentEnd, 0.5 * angle, 1e-5);
 }
 
+// A tile that is pressed onto its neighbour cannot go on: fold angles end at half a turn.
+TEST(Loading, ReportsAFoldThatCloses) {
+  scene::Scene scene = liftedFold();
+  const double rise = 100 * kDegree;
+  for (const int corner : {1, 2}) {
+    Vector3& vertex = scene.model.tiles[1].vertices[static_cast<std::size_t>(corner)];
+    vertex.x() = 1 + std::cos(rise);
+    vertex.z() = std::sin(rise);
+  }
+  scene.grips[1].z = -1.1;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Locked);
+  EXPECT_NEAR(run.loadCurve->states.back().load, std::sin(rise) / 1.1, 1e-4);
+  EXPECT_EQ(run.reason, "tiles 0 and 1 lie on each other at the load 0.8953: their fold is closed");
+}
+
+// In tension along its edges a square is held by two bars of the area 2 S t / ((1 - nu) (2 + sqrt
+// 2)) with S = 1/2. Its diagonal carries nothing, so tiles do not get narrower.
+TEST(Loading, SquaresInTensionHaveTheStiffnessOfTheirBars) {
+  scene::Scene scene = liftedFold();
+  scene::GripSetting flat, left, corner, right;
+  flat.corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}};
+  flat.tiles = {0, 1};
+  flat.z = 0;
+  left.tiles = corner.tiles = {0};
+  left.corners = {{0, 0}, {0, 3}};
+  left.x = 0;
+  corner.corners = {{0, 0}};
+  corner.y = 0;
+  right.tiles = {1};
+  right.corners = {{1, 1}, {1, 2}};
+  right.x = 1e-5;
+  scene.grips = {flat, left, corner, right};
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+  const double material = 1e9 * 0.01 * 1e-5 / 2;  // E t u / L
+  EXPECT_NEAR(run.loadCurve->states.back().forces.back(),
+              (2 - std::sqrt(2.0)) / (1 - 0.3) * material, 1e-5 * material);
+}
+
 // Every state of the panels has the energy of the solver. Fold angles and strains follow from the
 // nodes.
 TEST(Loading, StoresTheStatesOfPanels) {
