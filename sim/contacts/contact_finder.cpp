@@ -1237,6 +1237,11 @@ namespace {
 
 // Faces within this angle of the plane between two bricks may touch as faces, cosine of 0.2 rad.
 constexpr double kFlat = 0.98;
+// A face across the normal up to this cosine touches the other one at any angle.
+constexpr double kLevel = 1 - 1e-6;
+// Edges whose common normal is farther from the region's than 60 degrees do not cross: they are
+// parallel as seen from the side.
+constexpr double kUpright = 0.5;
 // Corners of a region closer than this fraction of an edge are the same.
 constexpr double kOneCorner = 1e-9;
 // Below this sine edges of faces that touch count as parallel.
@@ -1303,7 +1308,7 @@ class RegionMaker {
   /// Corners of one face that lie over the other.
   void addCorners(const PlacedFace& points, const PlacedFace& face, bool areOfA) {
     for (std::size_t k = 0; k < points.size(); ++k) {
-      if (insideFace(face, points.corner(k)) < 0) continue;
+      if (insideFace(face, points.corner(k)) < -closest_) continue;
       add(points.corner(k), onFace(points.ownCorner(k), face, areOfA));
     }
   }
@@ -1321,7 +1326,7 @@ class RegionMaker {
     const Vector3 across = a.edge.cross(b.edge);
     if (across.norm() <= kNoCrossing * a.edge.norm() * b.edge.norm()) return;
     const auto [onA, onB] = nearestOnLines(a.from, a.edge, b.from, b.edge);
-    if (onA < 0 || onA > 1 || onB < 0 || onB > 1) return;
+    if (!isWithin(onA) || !isWithin(onB)) return;
     brick::Contact contact{brickA_, brickB_, a.ownFrom, b.ownFrom, b.ownEdge.normalized()};
     contact.isEdge = true;
     contact.edgeA = (across.dot(normal_) > 0 ? 1 : -1) * a.ownEdge.normalized();
@@ -1329,6 +1334,9 @@ class RegionMaker {
   }
 
  private:
+  // Up to rounding: a corner on a border counts in at least one of its two tests.
+  static bool isWithin(double share) { return share >= -kOneCorner && share <= 1 + kOneCorner; }
+
   brick::Contact onFace(const Vector3& ownPoint, const PlacedFace& face, bool isOfA) const {
     const Outline& outline = *face.placed.outline;
     return {isOfA ? brickA_ : brickB_, isOfA ? brickB_ : brickA_, ownPoint,
@@ -1338,16 +1346,21 @@ class RegionMaker {
   void addCrossing(const PlacedFace& a, std::size_t i, const PlacedFace& b, std::size_t j) {
     const PlacedEdge ofA = edgeOf(a.placed, a.corners()[i], a.corners()[(i + 1) % a.size()]);
     const PlacedEdge ofB = edgeOf(b.placed, b.corners()[j], b.corners()[(j + 1) % b.size()]);
-    const double sine = ofA.edge.cross(ofB.edge).norm() / (ofA.edge.norm() * ofB.edge.norm());
-    if (sine > kSteady) return addCrossing(ofA, ofB);
-    if (!(sine > kNoCrossing)) return;
-    // The normal of nearly parallel edges rotates too fast, so this is the point of A on B's face.
-    const Vector3 outwards = ofB.edge.cross(b.normal());
-    const double onA = outwards.dot(ofB.from - ofA.from) / outwards.dot(ofA.edge);
-    const Vector3 point = ofA.from + onA * ofA.edge;
-    const double onB = ofB.edge.dot(point - ofB.from) / ofB.edge.squaredNorm();
-    if (!(onA >= 0 && onA <= 1 && onB >= 0 && onB <= 1)) return;
-    add(point, onFace(ofA.ownFrom + onA * ofA.ownEdge, b, true));
+    const Vector3 across = ofA.edge.cross(ofB.edge);
+    const double lengths = ofA.edge.norm() * ofB.edge.norm();
+    const double along = across.dot(normal_);
+    if (std::abs(along) > std::max(kSteady * lengths, kUpright * across.norm()))
+      return addCrossing(ofA, ofB);
+    if (!(std::abs(along) > kNoCrossing * lengths)) return;
+    // The normal of other edges rotates too fast or lies in the faces. So this is a point of one
+    // edge on the face of the other that is more nearly across.
+    const Vector3 between = ofB.from - ofA.from;
+    const double onA = between.cross(ofB.edge).dot(normal_) / along;
+    const double onB = between.cross(ofA.edge).dot(normal_) / along;
+    if (!isWithin(onA) || !isWithin(onB)) return;
+    const bool isOfA = b.normal().dot(normal_) >= -a.normal().dot(normal_);
+    const Vector3 own = isOfA ? ofA.ownFrom + onA * ofA.ownEdge : ofB.ownFrom + onB * ofB.ownEdge;
+    add(ofA.from + onA * ofA.edge, onFace(own, isOfA ? b : a, isOfA));
   }
 
   void add(const Vector3& place, brick::Contact contact) {
@@ -1399,7 +1412,9 @@ void appendRegionContacts(const Vector3& normal, const SeparatingPlane* edges, i
   const PlacedFace faceA = faceAlong(a, -normal), faceB = faceAlong(b, normal);
   RegionMaker region(brickA, brickB, normal, kOneCorner * (a.points[1] - a.points[0]).norm(),
                      contacts);
-  if (faceA.normal().dot(normal) <= -kFlat && faceB.normal().dot(normal) >= kFlat) {
+  const auto [tilted, level] =
+      std::minmax({-faceA.normal().dot(normal), faceB.normal().dot(normal)});
+  if (level >= kLevel || tilted >= kFlat) {
     region.addCorners(faceA, faceB, true);
     region.addCorners(faceB, faceA, false);
     region.addCrossings(faceA, faceB);
