@@ -3,7 +3,8 @@
 // the middles of its sides, so each corner has a quadrilateral
 //   x(s, t) = (1 - s)(1 - t) c + s (1 - t) m + s t (corner) + (1 - s) t n,      0 <= s, t <= 1,
 // with the middles m and n of the sides at the corner. Gauss' two places for s and t give 2 x 2
-// points with the shares |dx/ds x dx/dt| / 4. The distance from c, which a turn about c needs, is
+// points with the shares |dx/ds x dx/dt| / 4. A slender quadrilateral has 6 x 1 points instead: in
+// fast spin the part near c resists slip most. The distance from c, which a turn about c needs, is
 // no polynomial: distances are scaled by the quotient of its exact mean and that of the points.
 // With d the distance of a side from c and u d the place on it, the exact integral of the distance
 // over the triangle from c to the side is
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "sim/model/convex_parts.h"
@@ -26,8 +28,23 @@
 namespace kirireel::mechanics {
 namespace {
 
-// Gauss' places on [0, 1].
-const std::array<double, 2> kPlaces = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
+/// One of Gauss' places on [0, 1], with its weight.
+struct GaussPlace {
+  double at;
+  double weight;
+};
+constexpr std::array<GaussPlace, 1> kMiddle = {{{0.5, 1}}};
+const std::array<GaussPlace, 2> kPlaces = {
+    {{0.5 - 0.5 / std::sqrt(3.0), 0.5}, {0.5 + 0.5 / std::sqrt(3.0), 0.5}}};
+// Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4.
+constexpr std::array<GaussPlace, 6> kSlenderPlaces = {{{0.033765242898424, 0.085662246189585},
+                                                       {0.169395306766868, 0.180380786524069},
+                                                       {0.380690406958402, 0.233956967286346},
+                                                       {0.619309593041598, 0.233956967286346},
+                                                       {0.830604693233132, 0.180380786524069},
+                                                       {0.966234757101576, 0.085662246189585}}};
+// A quadrilateral is slender if its length is more than this many times its width.
+constexpr double kSlender = 3;
 // Hulls narrower than this fraction of their length are lines, shorter ones points.
 constexpr double kNarrow = 1e-9;
 // A region shrunk to less than this part is a point.
@@ -50,6 +67,13 @@ double distanceIntegral(const Polygon& polygon, const Vector3& normal, const Vec
   return sum;
 }
 
+/// Places along a quadrilateral's length, if its width is as given.
+std::span<const GaussPlace> placesAlong(double length, double width) {
+  if (length > kSlender * width) return kSlenderPlaces;
+  if (width > kSlender * length) return kMiddle;
+  return kPlaces;
+}
+
 /// The points of one convex polygon, their shares being areas.
 void appendPoints(const Polygon& polygon, const Vector3& normal, const Vector3& centroid,
                   std::vector<FrictionPoint>& points) {
@@ -58,12 +82,13 @@ void appendPoints(const Polygon& polygon, const Vector3& normal, const Vector3& 
     const Vector3 corner = polygon[k] - centroid;
     const Vector3 m = 0.5 * (corner + polygon[(k + count - 1) % count] - centroid);
     const Vector3 n = 0.5 * (corner + polygon[(k + 1) % count] - centroid);
-    for (const double s : kPlaces) {
-      for (const double t : kPlaces) {
+    const double ofS = (m + corner - n).norm(), ofT = (n + corner - m).norm();
+    for (const auto& [s, weightOfS] : placesAlong(ofS, ofT)) {
+      for (const auto& [t, weightOfT] : placesAlong(ofT, ofS)) {
         const Vector3 place = s * (1 - t) * m + s * t * corner + (1 - s) * t * n;
         const Vector3 alongS = (1 - t) * m + t * (corner - n);
         const Vector3 alongT = s * (corner - m) + (1 - s) * n;
-        const double area = 0.25 * normal.dot(alongS.cross(alongT));
+        const double area = weightOfS * weightOfT * normal.dot(alongS.cross(alongT));
         if (area > 0) points.push_back({centroid + place, area});
       }
     }

@@ -15,7 +15,7 @@ struct FrictionPoint {
 
 /// Points for an even pressure on convex polygons in one plane that do not overlap. They have the
 /// centroid of the whole, and resist a turn about it just as the pressure does. O(corners): 4
-/// points for each.
+/// points for each, 6 in slender parts.
 std::vector<FrictionPoint> evenPressure(const std::vector<std::vector<Vector3>>& parts);
 
 /// The region of a face with friction, for any position of its normal force.

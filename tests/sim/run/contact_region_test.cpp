@@ -276,12 +276,11 @@ TEST(SpinningPlate, SlidesFartherThanOneThatDoesNotSpin) {
     double most;  // of the error of the displacement, over its length
   };
   const Vector3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0);
-  // Four points along a slender plate miss the part near its centre, which resists most in fast
-  // spin. Measured errors: 0.013, 0.37, 0.018, 0.02; with points in the middles of the sides the
-  // second was 0.7.
+  // Measured errors: 0.013, 0.015, 0.017, 0.02. The part of a slender plate near its centre resists
+  // most in fast spin; with four points along it the error of the second was 0.37.
   for (const auto& [corners, speed, spin, most] :
        {Plate{{o, x, x + y, y}, 1, 4, 0.05},
-        Plate{{o, 4 * x, 4 * x + 0.1 * y, 0.1 * y}, 0.5, 8, 0.4},
+        Plate{{o, 4 * x, 4 * x + 0.1 * y, 0.1 * y}, 0.5, 8, 0.05},
         Plate{{o, 3 * x, 3 * x + 0.2 * y, 0.2 * y}, 2, 6, 0.05},
         Plate{{o, x, 0.3 * x + y}, 1, 5, 0.05}}) {
     scene::Scene scene = loose({model::Tile{corners}}, 1e-3, 0);
