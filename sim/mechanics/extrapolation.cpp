@@ -106,6 +106,7 @@ struct Extrapolation::Trial {
     LoadGain given;              // work and impulse of the loads
     double damped = 0;           // energy that dampers took, joules
     double impacted = 0;         // the same for contacts, joules
+    std::vector<double> forces;  // of contacts in the last Euler step, JointSolver::heldForces()
   };
 
   const Motion& start;
@@ -150,6 +151,7 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     row.turns.push_back(turnBetween(trial.start.poses[i].rotation, row.end.poses[i].rotation));
   }
+  row.forces = solver_.heldForces();
   trial.rows.push_back(std::move(row));
   return true;
 }
@@ -305,6 +307,21 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   }
 }
 
+/// Gives contacts the extrapolated forces at the step's end. Those of a row are means over its last
+/// Euler step. The first row is left out: the velocities at both of its ends fit the contacts at
+/// its start, so its forces turn no velocity. If rows differ in their points of friction, the
+/// forces of the last one remain.
+void Extrapolation::keepForces(const Trial& trial) const {
+  const std::vector<double> shares = weights(2, trial.order());
+  std::vector<double> sum(trial.rows.back().forces.size(), 0.0);
+  for (std::size_t j = 0; j < shares.size(); ++j) {
+    const std::vector<double>& forces = trial.rows[j + 1].forces;
+    if (forces.size() != sum.size()) return;
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += shares[j] * forces[k];
+  }
+  solver_.setHeldForces(sum);
+}
+
 /// Adds the step's losses to dampers and contacts, extrapolated like its end.
 void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
   const std::vector<double> shares = weights(1, trial.order());
@@ -376,6 +393,7 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
       isRefused = !finish(trial, mayTake);
       if (isRefused) break;
       chooseNext(trial, tries > 0);
+      keepForces(trial);
       countLosses(trial, report);
       countRounding(trial, report);
       if (trial.errors.back() < kEasy) slack_ = std::max(1.0, slack_ / kSlackStep);

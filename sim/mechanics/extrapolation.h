@@ -90,6 +90,7 @@ class Extrapolation {
   double stickingError(const Trial& trial) const;
   void countLosses(const Trial& trial, StepReport& report) const;
   void keepMomentum(const Trial& trial, Motion& motion) const;
+  void keepForces(const Trial& trial) const;
   void chooseNext(const Trial& trial, bool wasRejected);
   void chooseAgain(const Trial& trial);
 

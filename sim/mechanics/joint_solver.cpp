@@ -72,6 +72,8 @@ class Stepper : public JointSolver {
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        LoadGain& given) override;
   double energy(const Motion& motion) const override;
+  std::vector<double> heldForces() const override;
+  void setHeldForces(const std::vector<double>& forces) override;
   double stickSlipSpeed(const Motion& start) const override;
   double project(Motion& motion) override;
   bool collide(Motion& motion) override;
@@ -787,6 +789,38 @@ void Stepper<D>::keepHeldRows(double step) {
                          : kept_.supports)
         .push_back(row);
   }
+}
+
+namespace {
+
+/// Calls visit(number, unit) for each number of rows that heldForces() has: the number is in units
+/// of `unit`.
+template <typename Rows, typename Visit>
+void visitHeldForces(Rows& kept, const Visit& visit) {
+  for (auto* rows : {&kept.contacts, &kept.supports, &kept.friction}) {
+    for (auto& row : *rows) {
+      visit(row.multiplier, kept.step);
+      for (auto& impulse : row.slipMultiplier) visit(impulse, kept.step);
+      if (row.slipShare == 0) continue;
+      for (auto& place : row.contact.pointA) visit(place, 1.0);
+    }
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<double> Stepper<D>::heldForces() const {
+  std::vector<double> forces;
+  visitHeldForces(kept_, [&](double number, double unit) { forces.push_back(number / unit); });
+  return forces;
+}
+
+template <int D>
+void Stepper<D>::setHeldForces(const std::vector<double>& forces) {
+  auto next = forces.begin();
+  visitHeldForces(kept_, [&](double& number, double unit) { number = unit * *next++; });
+  for (Row& row : kept_.contacts) row.multiplier = std::max(0.0, row.multiplier);
 }
 
 template <int D>

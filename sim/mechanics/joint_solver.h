@@ -109,6 +109,13 @@ class JointSolver {
   /// Kinetic energy of the motion plus energy of the pair forces at its poses, joules.
   virtual double energy(const Motion& motion) const = 0;
 
+  /// Forces of the held contacts and supports in the last Euler step, means over it in newtons, and
+  /// the points of their friction: numbers for extrapolation, in an order that only the held
+  /// contacts determine.
+  virtual std::vector<double> heldForces() const = 0;
+  /// Replaces them, with the size of heldForces(). Pushes are >= 0.
+  virtual void setHeldForces(const std::vector<double>& forces) = 0;
+
   /// The largest initial slip speed of points that stick at the end of the last Euler step, m/s:
   /// points of contacts and supports.
   virtual double stickSlipSpeed(const Motion& start) const = 0;
