@@ -237,7 +237,8 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
         found = true;
         const auto same = std::ranges::find(selected, group.name, &trajectory::CurveGroup::name);
         if (same == selected.end()) {
-          selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}, group.lengthPower});
+          selected.push_back(
+              {group.name, group.unit, group.isLogarithmic, {curve}, group.lengthPower});
         } else if (std::ranges::find(same->curves, curve.column, &trajectory::Curve::column) ==
                    same->curves.end()) {
           same->curves.push_back(curve);
@@ -1001,7 +1002,15 @@ PlotLayout layOut(int diagrams, int em, double width, int columns) {
 
 PlotSheet::PlotSheet(const std::vector<PlottedRun>& runs, int em, picture::Colour background)
     : runs_(runs), diagrams_(diagramsOf(runs)), em_(em), background_(background) {
-  if (diagrams_.empty()) throw InputError("error: the run has no curve to plot");
+  if (!diagrams_.empty()) return;
+  std::vector<std::string> empty;
+  for (const PlottedRun& run : runs_) {
+    for (const trajectory::CurveGroup& group : run.groups) empty.push_back(group.name);
+  }
+  throw InputError(empty.empty() ? "error: the run has no curve to plot"
+                                 : fmt::format("error: the run has no values of {} to plot. Choose "
+                                               "other curves",
+                                               fmt::join(empty, ", ")));
 }
 
 PlotSheet::~PlotSheet() = default;
