@@ -232,17 +232,16 @@ class Run:
 
 
 def close(run, p, q, planar):
-    """Moves bricks as little as their masses allow until the joints are closed: Gauss-Newton steps."""
+    """The closed state at the least distance, weighted by the masses. Each step projects the move of all steps."""
     a, pa, b, pb = (np.array([v[i] for v in run.pivots]) for i in range(4))
     rows = 2 if planar else 3
     use = np.array([not (planar and v[4]) for v in run.pivots])
     n, m = len(p), int(use.sum())
-    p, q = p.copy(), q.copy()
-    for _ in range(6):
+    start, first = p, q
+    moved = np.zeros((n, 6))
+    for _ in range(12):
         R = matrices(q)
         gap = run.gaps(p[None], q[None])[0][use][:, :rows].ravel()
-        if np.abs(gap).max(initial=0) < 1e-14 * run.tile:
-            break
         J = np.zeros((m, rows, n, 6))
         for side, brick, point in ((1, a[use], pa[use]), (-1, b[use], pb[use])):
             arm = np.einsum("pij,pj->pi", R[brick], point)
@@ -262,10 +261,11 @@ def close(run, p, q, planar):
         WJ = np.einsum("nij,rnj->rni", W, J.reshape(-1, n, 6)).reshape(m * rows, n * 6)
         A = J @ WJ.T
         A[np.diag_indices(len(A))] += 1e-13 * np.trace(A) / max(1, len(A))
-        move = -(WJ.T @ np.linalg.solve(A, gap)).reshape(n, 6)
-        p += move[:, :3]
-        q = product(rotation_of(move[:, 3:]), q)
-        q /= np.linalg.norm(q, axis=-1, keepdims=True)
+        before, moved = moved, -(WJ.T @ np.linalg.solve(A, gap - J @ moved.ravel())).reshape(n, 6)
+        p = start + moved[:, :3]
+        q = product(rotation_of(moved[:, 3:]), first)
+        if np.abs(moved - before).max(initial=0) < 1e-13 * run.tile:
+            break
     return p, q, np.abs(run.gaps(p[None], q[None])).max(initial=0)
 
 
