@@ -20,8 +20,7 @@ constexpr int kOpen = -1;
 
 class Generator {
  public:
-  Generator(const std::vector<int>& counts, int strength,
-            const std::vector<std::array<FactorValue, 2>>& conflicts)
+  Generator(const std::vector<int>& counts, int strength, const std::vector<Conflict>& conflicts)
       : counts_(counts), conflicts_(conflicts) {
     std::vector<int> factors;
     addSets(0, strength, factors);
@@ -85,11 +84,14 @@ class Generator {
   }
 
   bool mayTake(const std::vector<int>& row, int factor, int value) const {
-    return std::ranges::none_of(conflicts_, [&](const std::array<FactorValue, 2>& pair) {
-      const auto holds = [&](const FactorValue& a, const FactorValue& b) {
-        return a.factor == factor && a.value == value && row[b.factor] == b.value;
+    return std::ranges::none_of(conflicts_, [&](const Conflict& conflict) {
+      const auto isNew = [&](const FactorValue& one) {
+        return one.factor == factor && one.value == value;
       };
-      return holds(pair[0], pair[1]) || holds(pair[1], pair[0]);
+      return std::ranges::any_of(conflict, isNew) &&
+             std::ranges::all_of(conflict, [&](const FactorValue& one) {
+               return isNew(one) || row[one.factor] == one.value;
+             });
     });
   }
 
@@ -193,7 +195,7 @@ class Generator {
   }
 
   const std::vector<int>& counts_;
-  const std::vector<std::array<FactorValue, 2>>& conflicts_;
+  const std::vector<Conflict>& conflicts_;
   std::vector<Set> sets_;
   std::vector<std::vector<int>> setsOf_;  // numbers of the sets that each factor is in
   long missing_ = 0;
@@ -202,9 +204,8 @@ class Generator {
 
 }  // namespace
 
-std::vector<std::vector<int>> coveringArray(
-    const std::vector<int>& counts, int strength,
-    const std::vector<std::array<FactorValue, 2>>& conflicts) {
+std::vector<std::vector<int>> coveringArray(const std::vector<int>& counts, int strength,
+                                            const std::vector<Conflict>& conflicts) {
   return Generator(counts, strength, conflicts).rows();
 }
 

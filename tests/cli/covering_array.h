@@ -1,7 +1,6 @@
 /// Covering arrays: few rows with every combination of a few values.
 #pragma once
 
-#include <array>
 #include <vector>
 
 namespace kirireel::test {
@@ -12,11 +11,13 @@ struct FactorValue {
   int value = 0;
 };
 
+/// Values of different factors that must not be together in a row.
+using Conflict = std::vector<FactorValue>;
+
 /// Rows with a value for each factor. Every combination of `strength` values of different factors
 /// without a conflict is in a row. `counts`: values of each factor; value 0 conflicts with nothing.
 /// No row has a conflict. The result is the same each time.
-std::vector<std::vector<int>> coveringArray(
-    const std::vector<int>& counts, int strength,
-    const std::vector<std::array<FactorValue, 2>>& conflicts);
+std::vector<std::vector<int>> coveringArray(const std::vector<int>& counts, int strength,
+                                            const std::vector<Conflict>& conflicts);
 
 }  // namespace kirireel::test
