@@ -86,8 +86,9 @@ double placeOfFloats(const std::vector<model::Tile>& tiles) {
   int full = 0;
   double largest = 0;
   forEachCoordinate(tiles, [&](double value) {
+    if (!areSingle) return;
     const Digits digits = digitsOf(value);
-    areSingle = areSingle && isSingle(value, digits);
+    areSingle = isSingle(value, digits);
     full += digits.count >= kDigitsOfFloats ? 1 : 0;
     largest = std::max(largest, std::abs(value));
   });
