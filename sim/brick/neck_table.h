@@ -8,7 +8,7 @@
 
 namespace kirireel::brick {
 
-/// One neck next to a shut slit, between two tiles 50 times as wide. The tiles are so wide that
+/// One neck next to a closed slit, between two tiles 50 times as wide. The tiles are so wide that
 /// their own bending is negligible.
 struct NeckRow {
   double length = 0;  ///< in widths
@@ -28,7 +28,7 @@ inline constexpr auto kNeckTable = std::to_array<NeckRow>({
     {20, 1.259},
 });
 
-/// One neck of length 0 at the end of a shut slit between two equal tiles, nu = 0.3: isosceles
+/// One neck of length 0 at the end of a closed slit between two equal tiles, nu = 0.3: isosceles
 /// triangles with this angle at the neck up to 60 degrees, regular polygons beyond. All
 /// flexibilities are dimensionless. They are used for any Poisson's ratio.
 struct CornerNeckRow {

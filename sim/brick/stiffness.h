@@ -17,15 +17,15 @@ inline double materialWidth(const model::Neck& neck) {
   return neck.width - neck.kerf / 2;
 }
 
-/// Rotational stiffness, N m/rad, of a neck in the sheet's plane between two tiles. A shut slit
+/// Rotational stiffness, N m/rad, of a neck in the sheet's plane between two tiles. A closed slit
 /// lies next to it, as in flat_sheet.h:
 ///
 ///     k = E t w^3 / (12 (L + e w)),   e = 1.31 at L = 0, 1.26 from L = w on (neck_table.h)
 ///
 /// A beam of length L has E t w^3 / (12 L) (pure bending). The tiles' compliance at both ends acts
 /// like e widths of additional length. A beam without this is 25% too stiff at L = 5 w and 6% at 20
-/// w. The table of e comes from our own decks. Its limit at L = 0 is known: the end of a shut slit
-/// at a free edge is a deep crack with E t w^2 / 15.8, H. Tada, P. C. Paris, G. R. Irwin, The
+/// w. The table of e comes from our own decks. Its limit at L = 0 is known: the end of a closed
+/// slit at a free edge is a deep crack with E t w^2 / 15.8, H. Tada, P. C. Paris, G. R. Irwin, The
 /// Stress Analysis of Cracks Handbook. Young's modulus in Pa, lengths in metres; length >= 0,
 /// others > 0; width and length small relative to the tiles. Compare W. J. O'Donnell, The
 /// additional deflection of a cantilever due to the elasticity of the support, J. Appl. Mech. 27,
@@ -44,7 +44,7 @@ NeckCorner neckCorner(const Brick& brick, int corner);
 /// Distance of such a neck's axis from the tiles' common corner along the slit, metres. Tiles turn
 /// about this axis under a moment, and a force through it turns no tile. It is the mean of two
 /// axes, weighted by compliance: that of the neck itself, in its middle, and that of its ends
-/// (cornerNeck()). The ends of a shut slit are more compliant on the slit's side. A neck with a
+/// (cornerNeck()). The ends of a closed slit are more compliant on the slit's side. A neck with a
 /// length begins where both tiles have begun at its ends. This is beyond the corner for acute
 /// corners and before it for obtuse ones.
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles);
@@ -61,18 +61,18 @@ struct CornerNeck {
   std::array<double, 2> opening = {};
 };
 
-/// Such a neck at the end of a shut slit between two tiles with these corners. The table comes from
-/// our own decks of two equal tiles, whose motions are means over their material (neck_table.h).
-/// Each tile has half the compliance of such a pair, and the halves add up. A moment turns tiles
-/// with corners of 60 degrees twice as far as squares, those with 120 degrees 0.7 times. The
-/// sliding of unlike corners by a moment is neglected. The opening by forces grows without bound
-/// with log(side / width), as at a loaded corner (S. P. Timoshenko, J. N. Goodier, Theory of
-/// Elasticity, section 38). Larger widths than 0.4 sides count as 0.4 sides, and corners are
-/// clamped to the range from 30 to 150 degrees.
+/// Such a neck at the end of a closed slit between two tiles with these corners. The table comes
+/// from our own decks of two equal tiles, whose motions are means over their material
+/// (neck_table.h). Each tile has half the compliance of such a pair, and the halves add up. A
+/// moment turns tiles with corners of 60 degrees twice as far as squares, those with 120 degrees
+/// 0.7 times. The sliding of unlike corners by a moment is neglected. The opening by forces grows
+/// without bound with log(side / width), as at a loaded corner (S. P. Timoshenko, J. N. Goodier,
+/// Theory of Elasticity, section 38). Larger widths than 0.4 sides count as 0.4 sides, and corners
+/// are clamped to the range from 30 to 150 degrees.
 CornerNeck cornerNeck(double youngs, double thickness, double width,
                       const std::array<NeckCorner, 2>& tiles);
 
-/// Rotational stiffness, N m/rad, of a neck between two tiles with these corners next to a shut
+/// Rotational stiffness, N m/rad, of a neck between two tiles with these corners next to a closed
 /// slit. Length 0: bending of cornerNeck(). Otherwise the compliance of its ends, in
 /// neckStiffness() that of squares, is scaled by the ratio at length 0.
 double neckStiffness(double youngs, double thickness, double width, double length,
