@@ -855,7 +855,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
         "tiles have springs",
         folds, springs.size()));
   }
-  if (!brick::ligamentsOf(trajectory.subject().pairForces).empty()) {
+  if (trajectory.subject().pairForces.replaceJoints()) {
     lines.emplace_back(
         "warning: these decks join tiles exactly, but the run's ligaments stretch and shear; "
         "--joints neck gives the start with its necks");

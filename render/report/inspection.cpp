@@ -37,8 +37,7 @@ constexpr double kOverlap = 1e-6;
 
 /// A pivot is described by its face.
 std::string kindOf(const model::Joint& joint) {
-  if (joint.kind == model::JointKind::Link) return "link";
-  if (joint.kind == model::JointKind::Fixed) return "fixed";
+  if (joint.kind != model::JointKind::Pivot) return model::kindName(joint);
   if (joint.face == model::JointFace::Both) return "both";
   return joint.face == model::JointFace::Top ? "top" : "bottom";
 }

@@ -15,7 +15,6 @@
 #include <iterator>
 #include <numeric>
 
-
 namespace kirireel::brick {
 namespace {
 
@@ -119,8 +118,7 @@ Brick makeBrick(const model::Tile& tile, const BrickRule& rule) {
 std::vector<model::PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom,
                                               const Vector3& normal) {
   // Readers refuse such tiles. They can only come from a damaged trajectory, and would be slow.
-  if (bottom.size() > model::kMostTileVertices || model::isConvexPolygon(bottom, normal))
-    return {};
+  if (bottom.size() > model::kMostTileVertices || model::isConvexPolygon(bottom, normal)) return {};
   return model::convexParts(bottom, normal);
 }
 
@@ -194,10 +192,26 @@ std::vector<model::Tile> bottomTiles(const std::vector<Brick>& bricks, const Pos
   return tiles;
 }
 
+// The distance of two points changes only by motion along the line through them.
+PivotRows pivotRows(const Pivot& pivot, const Vector3& apart) {
+  PivotRows rows;
+  if (pivot.joinsPoints()) {
+    rows.gaps = apart;
+  } else {
+    rows.axes.row(0) = apart.normalized();
+    rows.gaps.x() = apart.norm() - pivot.distance;
+  }
+  return rows;
+}
+
+double pivotGap(const Pivot& pivot, const Vector3& apart) {
+  return std::abs(apart.norm() - pivot.distance);
+}
+
 double pivotGap(const Pivot& pivot, const Poses& poses) {
   const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
   const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
-  return std::abs((a - b).norm() - pivot.distance);
+  return pivotGap(pivot, a - b);
 }
 
 std::vector<Pivot> makePivots(const std::vector<model::Joint>& joints,

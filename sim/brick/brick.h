@@ -63,9 +63,9 @@ std::vector<model::PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom
 /// A convex piece of a brick, as a brick of its own shape. Its axes, normal, thickness, mass and
 /// inertia are those of the whole brick.
 struct BrickPiece {
-  Brick shape;          ///< only the piece, in the brick's own axes
-  int brick = 0;        ///< the brick that it belongs to
-  int part = 0;         ///< which of that brick's parts
+  Brick shape;                 ///< only the piece, in the brick's own axes
+  int brick = 0;               ///< the brick that it belongs to
+  int part = 0;                ///< which of that brick's parts
   model::PolygonPart corners;  ///< its corners' numbers in the whole brick
 };
 
@@ -109,9 +109,25 @@ struct Pivot {
   int cornerA = kNoCorner;    ///< vertex of brick A's tile if the bricks share a corner
   int cornerB = kNoCorner;    ///< the same for brick B's tile
   bool isWithinTile = false;  ///< see Joint
+
+  /// Whether the two points coincide. Otherwise pivotRows() has what the pivot keeps.
+  bool joinsPoints() const { return distance == 0; }
+  /// Number of constraints, [1, 3], in the plane [1, 2].
+  int rowCount(bool isPlanar) const { return joinsPoints() ? (isPlanar ? 2 : 3) : 1; }
 };
 
-/// Violation of a pivot's distance constraint, metres, >= 0.
+/// The constraints of a pivot, as its first rowCount() rows. A row keeps the positions of the two
+/// points along one direction.
+struct PivotRows {
+  Matrix3 axes = Matrix3::Identity();  ///< the unit direction of each row, world axes
+  Vector3 gaps = Vector3::Zero();      ///< violation of each row, metres
+};
+
+/// The constraints if the point of brick A is `apart` from the point of brick B, world axes.
+PivotRows pivotRows(const Pivot& pivot, const Vector3& apart);
+/// Violation of all constraints together, metres, >= 0.
+double pivotGap(const Pivot& pivot, const Vector3& apart);
+/// The same at these poses.
 double pivotGap(const Pivot& pivot, const Poses& poses);
 
 /// The pivots of all joints, in joint order, bottom before top.

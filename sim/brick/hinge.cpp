@@ -174,15 +174,6 @@ std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Pos
   return moments;
 }
 
-const HingeSpring* findJump(std::span<const HingeSpring> springs, const Poses& from,
-                            const Poses& to) {
-  const auto jumps = [&](const HingeSpring& spring) {
-    return std::abs(hingeAngle(spring.hinge, to) - hingeAngle(spring.hinge, from)) > 2 * kPi;
-  };
-  const auto found = std::ranges::find_if(springs, jumps);
-  return found == springs.end() ? nullptr : &*found;
-}
-
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses) {
   double sum = 0;
   for (const HingeSpring& spring : springs) {
@@ -244,6 +235,16 @@ void HingeSprings::addForces(const Motion& motion, std::vector<Vector6>& forces)
     forces[a].tail<3>() -= onB;
     forces[static_cast<std::size_t>(hinge.brickB)].tail<3>() += onB;
   }
+}
+
+std::optional<std::pair<int, int>> HingeSprings::findJump(const Poses& from,
+                                                          const Poses& to) const {
+  for (const auto& [hinge, stiffness, rest, damping] : springs_) {
+    if (std::abs(hingeAngle(hinge, to) - hingeAngle(hinge, from)) > 2 * kPi) {
+      return std::pair(hinge.brickA, hinge.brickB);
+    }
+  }
+  return std::nullopt;
 }
 
 std::vector<PairColumn> HingeSprings::columns() const {
@@ -523,30 +524,30 @@ namespace {
 double endMoment(const Ligament& ligament, int brick, const Poses& poses) {
   const Vector3 between = poses[static_cast<std::size_t>(ligament.brickB)].apply(ligament.pointB) -
                           poses[static_cast<std::size_t>(ligament.brickA)].apply(ligament.pointA);
-  const Vector6 slope = energyInWorld(ligament, between, Vector3::Zero(), Vector3::Zero(),
-                                      turnsOf(ligament, poses))
-                            .gradient;
+  const Vector6 slope =
+      energyInWorld(ligament, between, Vector3::Zero(), Vector3::Zero(), turnsOf(ligament, poses))
+          .gradient;
   return brick == ligament.brickA ? -slope[2] : -slope[5];
 }
 
 }  // namespace
 
-std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> springs,
-                                              std::span<const Ligament> ligaments,
-                                              const Poses& poses) {
+std::vector<EndMoments> endMoments(const PairForces& forces, const Poses& poses) {
   std::map<std::pair<int, int>, const Ligament*> byBricks;
-  for (const Ligament& one : ligaments) byBricks[std::minmax(one.brickA, one.brickB)] = &one;
-  std::vector<std::array<double, 2>> moments;
-  for (const HingeSpring& spring : springs) {
+  for (const Ligament& one : ligamentsOf(forces)) {
+    byBricks[std::minmax(one.brickA, one.brickB)] = &one;
+  }
+  std::vector<EndMoments> moments;
+  for (const HingeSpring& spring : hingeSpringsOf(forces)) {
     const Hinge& hinge = spring.hinge;
     const double own = hingeMoments({&spring, 1}, poses).front();
-    std::array<double, 2>& both = moments.emplace_back(std::array{-own, own});
+    EndMoments& both = moments.emplace_back(EndMoments{hinge.brickA, hinge.brickB, -own, own});
     const auto found = byBricks.find(std::minmax(hinge.brickA, hinge.brickB));
     if (found == byBricks.end()) continue;
     // In the plane the hinge's axis is the normal or its opposite at every pose.
     const double sign = hinge.axis.dot(found->second->normal);
-    both[0] += sign * endMoment(*found->second, hinge.brickA, poses);
-    both[1] += sign * endMoment(*found->second, hinge.brickB, poses);
+    both.onA += sign * endMoment(*found->second, hinge.brickA, poses);
+    both.onB += sign * endMoment(*found->second, hinge.brickB, poses);
   }
   return moments;
 }
@@ -561,8 +562,8 @@ Elasticity elasticityOf(const PairForces& forces, const Poses& start, const Pose
   for (const std::shared_ptr<const PairForce>& force : forces) {
     found.counts.emplace_back(force->name().counted, static_cast<int>(force->size()));
   }
-  for (const auto& [onA, onB] : endMoments(hingeSpringsOf(forces), ligamentsOf(forces), end)) {
-    found.momentEnd = std::max({found.momentEnd, std::abs(onA), std::abs(onB)});
+  for (const EndMoments& moments : endMoments(forces, end)) {
+    found.momentEnd = std::max({found.momentEnd, std::abs(moments.onA), std::abs(moments.onB)});
   }
   return found;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -74,11 +75,6 @@ double hingeRate(const Hinge& hinge, const Motion& motion);
 /// spring, in the same order. Damping is not included.
 std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses);
 
-/// The first spring whose angle jumps between these poses, because its bricks turned by more than a
-/// full turn past the middle of their range; null if there is none.
-const HingeSpring* findJump(std::span<const HingeSpring> springs, const Poses& from,
-                            const Poses& to);
-
 /// Stored energy of the springs at these poses, joules: sum of stiffness (angle - rest)^2 / 2.
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
 
@@ -101,6 +97,8 @@ class HingeSprings : public PairForce {
   /// The Hessian without the term of the rotating axes, which is zero for a closed hinge.
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   void addForces(const Motion& motion, std::vector<Vector6>& forces) const override;
+  /// An angle jumps if its bricks turned by more than a full turn past the middle of their range.
+  std::optional<std::pair<int, int>> findJump(const Poses& from, const Poses& to) const override;
   std::vector<PairColumn> columns() const override;
   const std::vector<HingeSpring>* hingeSprings() const override { return &springs_; }
   /// Energy of all pairs.
@@ -205,13 +203,19 @@ const std::vector<Ligament>& ligamentsOf(const PairForces& forces);
 // ------------------------------------------------------------------------------------------------
 // Springs and ligaments together: a neck is a ligament with a spring at its hinge.
 
-/// The moments of each spring at rest on brick A and on brick B, N m, about the hinge's axis. The
-/// two moments of a spring are equal and opposite. A ligament between the two bricks adds its
-/// moment about its end at each brick: half of shear stiffness times shear angle, with the same
-/// sign on both. The sums are the moments that both ends of a neck carry.
-std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> springs,
-                                              std::span<const Ligament> ligaments,
-                                              const Poses& poses);
+/// Moments on two bricks about the axis of their hinge, N m.
+struct EndMoments {
+  int brickA = 0;  ///< number, zero-based
+  int brickB = 0;  ///< number, zero-based
+  double onA = 0;
+  double onB = 0;
+};
+
+/// The moments of each spring at rest. The two moments of a spring are equal and opposite. A
+/// ligament between the two bricks adds its moment about its end at each brick: half of shear
+/// stiffness times shear angle, with the same sign on both. The sums are the moments that both ends
+/// of a neck carry.
+std::vector<EndMoments> endMoments(const PairForces& forces, const Poses& poses);
 
 /// Pair forces at the start and the end of a run.
 struct Elasticity {

@@ -55,4 +55,11 @@ bool PairForces::replaceJoints() const {
   return false;
 }
 
+std::optional<std::pair<int, int>> PairForces::findJump(const Poses& from, const Poses& to) const {
+  for (const std::shared_ptr<const PairForce>& force : forces_) {
+    if (const auto bricks = force->findJump(from, to)) return bricks;
+  }
+  return std::nullopt;
+}
+
 }  // namespace kirireel::brick

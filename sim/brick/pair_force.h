@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -146,6 +147,12 @@ class PairForce {
   /// this motion of the bricks, dashpots included. Without dashpots it follows from the
   /// derivatives.
   virtual void addForces(const Motion& motion, std::vector<Vector6>& forces) const;
+  /// The bricks of the first pair whose energy is not continuous between these poses, for example
+  /// because an angle is known only within some turns. Empty if there is none.
+  virtual std::optional<std::pair<int, int>> findJump(const Poses& /*from*/,
+                                                      const Poses& /*to*/) const {
+    return std::nullopt;
+  }
   /// All fields of the pairs except the bricks.
   virtual std::vector<PairColumn> columns() const = 0;
   /// The pairs, if their energy depends on one angle; otherwise null.
@@ -177,6 +184,8 @@ class PairForces {
   double energy(const Poses& poses) const;
   /// Whether some forces replace joints, which are compliant then.
   bool replaceJoints() const;
+  /// See PairForce::findJump().
+  std::optional<std::pair<int, int>> findJump(const Poses& from, const Poses& to) const;
 
  private:
   std::vector<std::shared_ptr<const PairForce>> forces_;

@@ -58,12 +58,12 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
 }
 
 /// With dynamics, tiles only bend between their parts: nothing stretches.
-void requireBending(const scene::Scene& scene, const std::vector<brick::HingeSpring>& springs) {
+void requireBending(const scene::Scene& scene, const brick::PairForces& forces) {
   if (!scene.hinges.panels) return;
   if (scene::sceneNeeds(scene).planar.on) {
     throw InputError("error: bending tiles leave their plane. Remove `planar = on` or `panels`");
   }
-  if (!springs.empty()) return;
+  if (!forces.empty()) return;
   throw InputError(
       "error: `panels` bends only split tiles and folds in dynamic runs, but the scene has "
       "neither. Split "
@@ -94,7 +94,7 @@ void requireSense(const scene::Scene& scene, double sampleInterval) {
   const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
   // Invalid input must throw here, before a search that may take minutes.
   if (scene.grips.empty()) {
-    requireBending(scene, brick::hingeSpringsOf(scene::dynamicTies(scene, bricks).pairForces));
+    requireBending(scene, scene::dynamicTies(scene, bricks).pairForces);
   } else {
     static_cast<void>(scene::hingeSprings(scene, bricks));
   }

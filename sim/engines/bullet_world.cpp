@@ -505,7 +505,7 @@ double distanceToSegment(const Vector3& point, const Vector3& from, const Vector
 PivotZones::PivotZones(const std::vector<brick::Brick>& bricks,
                        std::span<const brick::Pivot> pivots) {
   for (const brick::Pivot& pivot : pivots) {
-    if (pivot.distance == 0) add(bricks, pivot);
+    if (pivot.joinsPoints()) add(bricks, pivot);
   }
 }
 

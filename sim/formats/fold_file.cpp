@@ -745,18 +745,22 @@ void warnOfEdges(const model::FoldSheet& drawing, const fs::path& file,
       "a mountain has an angle < 0, a valley > 0");
 }
 
-/// Replaces a pivot as read by a joint of another kind.
-model::Joint ofKind(model::JointKind kind, const model::Joint& joint, const FoldReader& reader,
+/// Replaces a pivot as read by a joint of this kind.
+model::Joint ofKind(model::JointKind kind, const model::Joint& pivot, const FoldReader& reader,
                     const std::vector<model::Tile>& tiles) {
-  // The corners of a fixed joint have no meaning; makeFixedJoint() gives the model's own.
-  if (kind == model::JointKind::Fixed)
-    return model::makeFixedJoint(tiles, joint.a.tile, joint.b.tile);
-  if (kind != model::JointKind::Link) return joint;
-  const model::Joint link = model::makeLink(tiles, joint.a, joint.b);
-  if (link.apart.norm() > 0) return link;
+  const model::Joint joint = model::toKind(kind, pivot, tiles);
+  if (kind != model::JointKind::Link || joint.apart.norm() > 0) return joint;
   throw reader.fault(fmt::format(
       "the link between tiles {} and {} has no length. Remove its kind to join the corners",
       joint.a.tile, joint.b.tile));
+}
+
+/// The kinds of joints with their numbers, for messages.
+std::string listedKinds() {
+  std::vector<std::string> kinds;
+  for (const char* name : model::kJointKinds)
+    kinds.push_back(fmt::format("{} ({})", kinds.size(), name));
+  return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
 std::vector<model::Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles,
@@ -774,10 +778,9 @@ std::vector<model::Joint> readOwnJoints(const FoldReader& reader, const TileTabl
     JointRow& row = table.rows.emplace_back();
     std::copy_n(numbers.begin(), 5, row.values.begin());
     const int kind = numbers.size() == 5 ? 0 : numbers[5];
-    if (kind < 0 || kind > 2) {
-      throw reader.fault(
-          fmt::format("joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)",
-                      table.rows.size() - 1, kind));
+    if (kind < 0 || kind >= static_cast<int>(model::kJointKinds.size())) {
+      throw reader.fault(fmt::format("joint {} has the kind {}; write one of {}",
+                                     table.rows.size() - 1, kind, listedKinds()));
     }
     row.kind = static_cast<model::JointKind>(kind);
   }

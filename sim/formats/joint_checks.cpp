@@ -78,6 +78,17 @@ model::Joint toJoint(const JointRow& row) {
 
 }  // namespace
 
+void requireKinds(const model::Model& model, const std::set<model::JointKind>& kinds,
+                  const char* rule, const std::filesystem::path& file) {
+  const int first = model.fileOrder.countsFrom;
+  for (const model::Joint& joint : model.joints) {
+    if (kinds.contains(joint.kind)) continue;
+    throw InputError(fmt::format(
+        "{}: error: {}, not the joint ({}) between tiles {} and {}. Convert to a .fold file",
+        file.string(), rule, model::kindName(joint), first + joint.a.tile, first + joint.b.tile));
+  }
+}
+
 double startGap(const model::Model& model, const model::Joint& joint) {
   const Vector3& a = model.tiles[joint.a.tile].vertices[joint.a.vertex];
   const Vector3& b = model.tiles[joint.b.tile].vertices[joint.b.vertex];

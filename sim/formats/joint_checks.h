@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,11 @@ void checkClosed(const JointTable& table, model::Model& model, const TileTable& 
 
 /// Distance of a joint's corners at the start, metres.
 double startGap(const model::Model& model, const model::Joint& joint);
+
+/// Throws InputError for a joint of another kind than these, before `model` is written to a file.
+/// `rule`: what the format supports, the message's beginning.
+void requireKinds(const model::Model& model, const std::set<model::JointKind>& kinds,
+                  const char* rule, const std::filesystem::path& file);
 
 /// How closely corners fit in designs with all their digits: the largest gap of a pivot at the
 /// start and, if the model has one, at the target, metres. Gaps above model::kMostMisfit of a tile

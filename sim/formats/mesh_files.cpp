@@ -401,15 +401,10 @@ model::Model readObjPair(const fs::path& start, const std::optional<fs::path>& t
 
 void writeObjPair(const model::Model& inOrder, const fs::path& file) {
   const model::Model model = model::inFileOrder(inOrder);
-  const int first = model.fileOrder.countsFrom;
   std::string comments;
+  requireKinds(model, {model::JointKind::Pivot}, "OBJ supports only joints at shared vertices",
+               file);
   for (const model::Joint& joint : model.joints) {
-    if (joint.kind != model::JointKind::Pivot) {
-      throw InputError(
-          fmt::format("{}: error: OBJ supports only joints at shared vertices, not the link "
-                      "between tiles {} and {}. Convert to a .fold file",
-                      file.string(), first + joint.a.tile, first + joint.b.tile));
-    }
     comments += fmt::format("# joint {} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
                             joint.b.vertex, static_cast<int>(joint.face));
   }

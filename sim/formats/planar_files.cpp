@@ -439,20 +439,15 @@ std::string planarJointText(const std::vector<model::Joint>& joints) {
 
 /// Planar files cannot hold heights or tiles that move as one. Returns the sheet's plane.
 model::SheetFrame requirePlanar(const model::Model& model, const fs::path& file) {
-  const int first = model.fileOrder.countsFrom;
   const std::optional<model::SheetFrame> frame = model::sheetFrame(model);
   if (!frame) {
     throw InputError(fmt::format(
         "{}: error: planar files have only x and y, but the start is not flat. Convert to a folder",
         file.string()));
   }
-  for (const model::Joint& joint : model.joints) {
-    if (joint.kind != model::JointKind::Fixed) continue;
-    throw InputError(
-        fmt::format("{}: error: planar files support only joints at corners, not the fixed tiles "
-                    "{} and {}. Convert to a .fold file",
-                    file.string(), first + joint.a.tile, first + joint.b.tile));
-  }
+  // The reader makes links of joints whose corners are apart.
+  requireKinds(model, {model::JointKind::Pivot, model::JointKind::Link},
+               "planar files support only joints at corners", file);
   return *frame;
 }
 

@@ -429,17 +429,6 @@ void requireFree(const fs::path& file, const std::string& text) {
       file.string()));
 }
 
-void requirePivots(const model::Model& model, const fs::path& folder) {
-  const int first = model.fileOrder.countsFrom;
-  for (const model::Joint& joint : model.joints) {
-    if (joint.kind == model::JointKind::Pivot) continue;
-    throw InputError(
-        fmt::format("{}: error: constraints.txt supports only joints at corners, not the link "
-                    "between tiles {} and {}. Convert to a .fold file",
-                    folder.string(), first + joint.a.tile, first + joint.b.tile));
-  }
-}
-
 // Writes a comment if there are no joints, because an empty file would look like a mistake.
 std::string jointText(const std::vector<model::Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
@@ -530,7 +519,8 @@ std::vector<model::Tile> readTileFile(const fs::path& file) {
 
 void writeModelFolder(const model::Model& inOrder, const fs::path& folder) {
   const model::Model model = model::inFileOrder(inOrder);
-  requirePivots(model, folder);
+  requireKinds(model, {model::JointKind::Pivot}, "constraints.txt supports only joints at corners",
+               folder);
   // An empty text means that the file must not exist.
   const std::vector<std::pair<const char*, std::string>> files = {
       {"vertices.txt", unitLine(model.unit) + tilesText(model.tiles)},

@@ -940,7 +940,8 @@ void Stepper<D>::transfer(StateTape& tape) {
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<brick::Brick>& bricks,
                                              std::span<const brick::Pivot> pivots,
                                              const JointSolverSettings& settings) {
-  assert(settings.planar || ligamentsOf(settings.pairForces).empty());
+  // Forces that replace joints exist only in the plane.
+  assert(settings.planar || !settings.pairForces.replaceJoints());
   if (settings.planar) return std::make_unique<Stepper<3>>(bricks, pivots, settings);
   return std::make_unique<Stepper<6>>(bricks, pivots, settings);
 }

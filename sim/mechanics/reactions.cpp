@@ -118,13 +118,13 @@ class Reactor final : public ReactionSolver {
            motion_.poses[pivot.brickB].apply(pivot.pointB);
   }
 
-  /// The part of pivot k in the values of all joint rows. A link has one row, along itself.
+  /// The part of pivot k in the values of all joint rows.
   Vector3 inSpace(const Vector& values, std::size_t k) const {
-    if (pivot(k).distance > 0) {
-      return values[kRows * static_cast<Eigen::Index>(k)] * between(pivot(k)).normalized();
-    }
+    const brick::PivotRows rows = brick::pivotRows(pivot(k), between(pivot(k)));
     Vector3 vector = Vector3::Zero();
-    vector.head<kRows>() = values.segment<kRows>(kRows * static_cast<Eigen::Index>(k));
+    for (int row = 0; row < pivot(k).rowCount(D == 3); ++row) {
+      vector += values[kRows * static_cast<Eigen::Index>(k) + row] * rows.axes.row(row);
+    }
     return vector;
   }
 
@@ -135,7 +135,7 @@ class Reactor final : public ReactionSolver {
     const Velocity& velocityB = motion_.velocities[pivot.brickB];
     const Vector3 armA = poseA.rotation * pivot.pointA, armB = poseB.rotation * pivot.pointB;
     const Vector3 apart = centripetal(velocityB, armB) - centripetal(velocityA, armA);
-    if (pivot.distance == 0) return apart;
+    if (pivot.joinsPoints()) return apart;
     // For the distance d of two points: d'' = along . p'' + |p' across|^2 / d.
     const Vector3 along = between(pivot).normalized();
     const Vector3 moves = velocityA.linear + velocityA.angular.cross(armA) - velocityB.linear -
@@ -232,10 +232,9 @@ class Reactor final : public ReactionSolver {
     Vector stress(system_.jointRowCount());
     for (double& entry : stress) entry = static_cast<double>(numbers()) / 2147483647.5 - 1;
     for (std::size_t k = 0; k < solved_.size(); ++k) {
-      // A link holds one distance: it has one row, along its line. Its other rows are zero and
-      // carry no force.
-      if (pivot(k).distance == 0) continue;
-      stress.template segment<kRows - 1>(kRows * static_cast<Eigen::Index>(k) + 1).setZero();
+      // Other rows than the pivot's are zero and carry no force.
+      const int count = pivot(k).rowCount(D == 3);
+      stress.segment(kRows * static_cast<Eigen::Index>(k) + count, kRows - count).setZero();
     }
     Vector load = Vector::Zero(D * static_cast<Eigen::Index>(bricks_.size()));
     system_.addJointImpulse(1, stress, load);

@@ -513,24 +513,26 @@ void StepSystem<D>::placeJoints(const Poses& poses) {
     JointRows<D>& rows = jointRows_[p];
     rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
     rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
-    if (pivot.distance > 0) keepLengthwiseRow(pivot, poses, rows);
+    if (!pivot.joinsPoints()) keepRows(pivot, poses, rows);
     if (pinned_[pivot.brickA]) rows.a.setZero();
     if (pinned_[pivot.brickB]) rows.b.setZero();
   }
 }
 
-/// A link is one row, the velocity along it; its other rows are empty.
+/// Replaces the relative velocity of a pivot's points by its components along the pivot's rows. The
+/// other rows are empty.
 template <int D>
-void StepSystem<D>::keepLengthwiseRow(const brick::Pivot& pivot, const Poses& poses,
-                                      JointRows<D>& rows) {
-  const typename Space::Gap along =
-      Space::gap(poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
-  const typename Space::RowVector alongA = along.normalized().transpose() * rows.a;
-  const typename Space::RowVector alongB = along.normalized().transpose() * rows.b;
+void StepSystem<D>::keepRows(const brick::Pivot& pivot, const Poses& poses, JointRows<D>& rows) {
+  const brick::PivotRows kept = brick::pivotRows(
+      pivot, poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
+  const typename Space::Rows a = rows.a, b = rows.b;
   rows.a.setZero();
   rows.b.setZero();
-  rows.a.row(0) = alongA;
-  rows.b.row(0) = alongB;
+  for (int k = 0; k < pivot.rowCount(D == 3); ++k) {
+    const typename Space::Gap axis = Space::gap(kept.axes.row(k));
+    rows.a.row(k) = axis.transpose() * a;
+    rows.b.row(k) = axis.transpose() * b;
+  }
 }
 
 /// Adds [a b]^T weight [a b] for rows of a pair of bricks, without those of fixed bodies. The
@@ -703,9 +705,7 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
     const brick::Pivot& pivot = pivots_[p];
     const Vector3 between = poses[pivot.brickA].position - poses[pivot.brickB].position +
                             turns[pivot.brickA] * pivot.pointA - turns[pivot.brickB] * pivot.pointB;
-    typename Space::Gap gap = Space::gap(between);
-    if (pivot.distance > 0) gap = (between.norm() - pivot.distance) * Space::Gap::UnitX();
-    result.segment<kRows>(kRows * p) = gap;
+    result.segment<kRows>(kRows * p) = Space::gap(brick::pivotRows(pivot, between).gaps);
   }
   return result;
 }

@@ -501,7 +501,7 @@ class StepSystem {
   void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
-  void keepLengthwiseRow(const brick::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
+  void keepRows(const brick::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
   template <int kRows, typename Weight>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,

@@ -86,6 +86,17 @@ Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b)
   return {a, b, JointFace::Bottom, JointKind::Link, apart};
 }
 
+Joint toKind(JointKind kind, const Joint& pivot, const std::vector<Tile>& tiles) {
+  // The corners of a fixed joint in a file have no meaning.
+  if (kind == JointKind::Fixed) return makeFixedJoint(tiles, pivot.a.tile, pivot.b.tile);
+  if (kind == JointKind::Link) return makeLink(tiles, pivot.a, pivot.b);
+  return pivot;
+}
+
+const char* kindName(const Joint& joint) {
+  return kJointKinds[static_cast<std::size_t>(joint.kind)];
+}
+
 Vector3 tileNormal(const Tile& tile) {
   return doubledVectorArea(tile).normalized();
 }

@@ -1,6 +1,7 @@
 /// The geometric model of a kirigami sheet, without any physics.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -43,12 +44,15 @@ struct Corner {
   }
 };
 
-/// Kind of a joint.
+/// Kind of a joint. Files have its number, messages its name in kJointKinds.
 enum class JointKind {
   Pivot,  ///< the two corners coincide
   Link,   ///< the distance between the two corners stays as at the start, on the bottom faces
   Fixed,  ///< the relative position and rotation of the two tiles stay as at the start
 };
+
+/// The names of all kinds, by their numbers.
+inline constexpr std::array<const char*, 3> kJointKinds = {"pivot", "link", "fixed"};
 
 /// The material at a joint of a cut sheet: a neck next to the end of a cut.
 struct Neck {
@@ -201,6 +205,12 @@ Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);
 /// point would give a link of zero length without a direction. The caller excludes
 /// them.
 Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b);
+
+/// The pivot as a joint of this kind between the same tiles at their current positions.
+Joint toKind(JointKind kind, const Joint& pivot, const std::vector<Tile>& tiles);
+
+/// The name of a joint's kind, one of kJointKinds.
+const char* kindName(const Joint& joint);
 
 /// The unit normal of a tile by Newell's method. A brick is its tile thickened along this
 /// normal. Undefined for a tile without area. Works for concave tiles and for slightly

@@ -123,7 +123,7 @@ Poses FoldGuide::opened(const Poses& poses) const {
                     -fold.angle / kSteps * (poses[hinge.brickA].rotation * hinge.axis));
   }
   for (const brick::Pivot& pivot : pivots_) {
-    if (pivot.distance > 0) continue;
+    if (!pivot.joinsPoints()) continue;
     const Pose &a = poses[pivot.brickA], &b = poses[pivot.brickB];
     motion.addPoints(pivot.brickA, pivot.brickB, a.rotation * pivot.pointA,
                      b.rotation * pivot.pointB, a.apply(pivot.pointA) - b.apply(pivot.pointB));

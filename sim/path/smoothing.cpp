@@ -118,7 +118,7 @@ class Joints {
     for (const brick::Pivot& pivot : pivots) {
       if (isPlanar && pivot.isUpper) continue;
       pivots_.push_back(pivot);
-      rows_ += rowsOf(pivot);
+      rows_ += pivot.rowCount(isPlanar_);
     }
   }
 
@@ -133,13 +133,9 @@ class Joints {
     VectorXd values(rows_);
     int row = 0;
     for (const brick::Pivot& pivot : pivots_) {
-      const Vector3 apart = apartOf(pivot, poses);
-      if (pivot.distance > 0) {
-        values[row] = apart.norm() - pivot.distance;
-      } else {
-        values.segment(row, rowsOf(pivot)) = apart.head(rowsOf(pivot));
-      }
-      row += rowsOf(pivot);
+      const int count = pivot.rowCount(isPlanar_);
+      values.segment(row, count) = brick::pivotRows(pivot, apartOf(pivot, poses)).gaps.head(count);
+      row += count;
     }
     return values;
   }
@@ -148,10 +144,9 @@ class Joints {
     std::vector<Eigen::Triplet<double>> entries;
     int row = 0;
     for (const brick::Pivot& pivot : pivots_) {
-      Eigen::Matrix3d axes = Matrix3::Identity();
-      if (pivot.distance > 0) axes.row(0) = apartOf(pivot, poses).normalized();
-      for (int k = 0; k < rowsOf(pivot); ++k, ++row) {
-        const Vector3 axis = axes.row(k);
+      const brick::PivotRows rows = brick::pivotRows(pivot, apartOf(pivot, poses));
+      for (int k = 0; k < pivot.rowCount(isPlanar_); ++k, ++row) {
+        const Vector3 axis = rows.axes.row(k);
         addRow(row, pivot.brickA, axis, pivot.pointA, poses, entries);
         addRow(row, pivot.brickB, -axis, pivot.pointB, poses, entries);
       }
@@ -181,8 +176,6 @@ class Joints {
   int component(int k) const { return isPlanar_ && k == 2 ? 5 : k; }
 
  private:
-  int rowsOf(const brick::Pivot& pivot) const { return pivot.distance > 0 ? 1 : isPlanar_ ? 2 : 3; }
-
   static Vector3 apartOf(const brick::Pivot& pivot, const Poses& poses) {
     return brick::poseOf(pivot.brickA, poses).apply(pivot.pointA) -
            brick::poseOf(pivot.brickB, poses).apply(pivot.pointB);

@@ -299,17 +299,18 @@ namespace {
 
 constexpr int kSubsteps = 20;  // as in PyKirigami
 
-// The pivots of a scene whose joints are all pivots. Throws InputError at a link.
+// The pivots of a scene. Throws InputError for other joints.
 std::vector<brick::Pivot> sharedPivots(const scene::Scene& scene,
                                        const std::vector<brick::Brick>& bricks) {
   std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
   for (const brick::Pivot& pivot : pivots) {
-    if (pivot.distance == 0) continue;
-    throw InputError(
-        fmt::format("error: `solver = bullet` does not support links, as between tiles {} and {}. "
-                    "Use `solver = direct`",
-                    scene.model.fileOrder.countsFrom + pivot.brickA,
-                    scene.model.fileOrder.countsFrom + pivot.brickB));
+    if (pivot.joinsPoints()) continue;
+    throw InputError(fmt::format(
+        "error: `solver = bullet` does not support joints of the kind {}, as between tiles {} and "
+        "{}. Use `solver = direct`",
+        model::kindName(scene.model.joints[static_cast<std::size_t>(pivot.joint)]),
+        scene.model.fileOrder.countsFrom + pivot.brickA,
+        scene.model.fileOrder.countsFrom + pivot.brickB));
   }
   return pivots;
 }

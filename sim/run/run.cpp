@@ -192,14 +192,13 @@ std::string Run::faultOfStep() const {
                        areLoose ? "a shorter `duration`, or `actuation = none`"
                                 : "a shorter `timestep` or more damping");
   }
-  const brick::HingeSpring* spring = brick::findJump(brick::hingeSpringsOf(bricks_.ties.pairForces),
-                                                     motion_.before().poses, motion_.poses());
-  if (!spring) return {};
+  const auto bricks = bricks_.ties.pairForces.findJump(motion_.before().poses, motion_.poses());
+  if (!bricks) return {};
   const int countsFrom = bricks_.scene.model.fileOrder.countsFrom;
   return fmt::format(
       "the hinge of tiles {} and {} turned by more than a full turn at {:.4g} s; its spring has no "
       "angle there. Try `contacts = all`",
-      countsFrom + spring->hinge.brickA, countsFrom + spring->hinge.brickB, time());
+      countsFrom + bricks->first, countsFrom + bricks->second, time());
 }
 
 // The phase of the step, then the solver, with the energy account before and after.

@@ -919,12 +919,15 @@ Ties withoutPivots(const Scene& scene, const std::vector<brick::Brick>& bricks) 
   return ties;
 }
 
-/// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a spring.
+/// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a force.
 /// Upper pivots are redundant in the plane and are omitted.
 void addJoints(const Scene& scene, const std::vector<brick::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
-  for (const brick::HingeSpring& spring : brick::hingeSpringsOf(ties.pairForces)) {
-    hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
+  for (const std::shared_ptr<const brick::PairForce>& force : ties.pairForces) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair) {
+      const auto [brickA, brickB] = force->bricks(pair);
+      hinges.insert(std::minmax(brickA, brickB));
+    }
   }
   std::vector<brick::Ligament> ligaments;
   for (const brick::Pivot& pivot : brick::makePivots(scene.model.joints, bricks)) {

@@ -102,11 +102,12 @@ void requireEquilibria(const scene::Scene& scene) {
                     "(`panels`) or remove the grips",
                     scene.solver.planar ? "`planar` is off" : planar.reason));
   }
-  const auto isLink = [](const model::Joint& joint) {
-    return joint.kind == model::JointKind::Link;
-  };
-  if (std::ranges::any_of(scene.model.joints, isLink)) {
-    throw InputError("error: grips do not support links. Remove `link` or the grips");
+  for (const model::Joint& joint : scene.model.joints) {
+    if (joint.kind == model::JointKind::Pivot || joint.kind == model::JointKind::Fixed) continue;
+    throw InputError(
+        fmt::format("error: grips do not support joints of the kind {0}. Remove "
+                    "`{0}` or the grips",
+                    model::kindName(joint)));
   }
 }
 
@@ -502,16 +503,19 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::vector<DirectedLoad> directed = directedLoads(grips);
   const std::size_t leading = leadingOf(grips, directed);
-  const std::unique_ptr<mechanics::LoadedSheet> sheet =
+  const std::unique_ptr<BarHingeSheet> panels =
       scene.hinges.panels
           ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), grips)
-          : planarSheet(scene, bricks, ties, grips);
-  requireAgreement(scene, grips, *sheet);
+          : nullptr;
+  const std::unique_ptr<mechanics::LoadedSheet> rigid =
+      panels ? nullptr : planarSheet(scene, bricks, ties, grips);
+  const mechanics::LoadedSheet& sheet = panels ? *panels : *rigid;
+  requireAgreement(scene, grips, sheet);
   const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
   mechanics::LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
   for (const DirectedLoad& load : directed) settings.sums.push_back(load.sum);
-  const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
+  const mechanics::LoadPath loaded = mechanics::followLoad(sheet, leading, settings, {});
   const run::GeometricPath path = playbackPath(bricks, loaded, isSoft);
   Poses last;
   const run::SampleObserver watch = [&](const trajectory::Sample& sample) {
@@ -527,7 +531,7 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   }
   for (mechanics::Equilibrium& state : result.loadCurve->states) state.coordinates.resize(0);
   const double seconds = std::min(scene.path.playTime, scene.stop.duration);
-  if (const auto* panels = dynamic_cast<const BarHingeSheet*>(sheet.get())) {
+  if (panels) {
     result.trajectory.panels = panelsOf(*panels, loaded, path.path, seconds);
   }
   if (!ties.pairForces.empty() || result.trajectory.panels) {

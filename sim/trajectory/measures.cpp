@@ -37,7 +37,7 @@ JointGap jointGap(std::span<const brick::Pivot> pivots, const Poses& poses) {
   };
   for (const brick::Pivot& pivot : pivots) {
     const Vector3 apart = placed(pivot.brickA, pivot.pointA) - placed(pivot.brickB, pivot.pointB);
-    const double distance = std::abs(apart.norm() - pivot.distance);
+    const double distance = brick::pivotGap(pivot, apart);
     gap.max = largerOf(gap.max, distance);
     gap.mean += distance;
   }
@@ -134,10 +134,9 @@ Prism prismOf(const brick::Brick& brick, int number) {
     const Vector3 edge = (next - brick.bottom[k]).normalized();
     // A rectangle has two directions of edges, not four. The number of axes grows with their
     // product.
-    const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
-                                   [&](const Vector3& other) {
-                                     return isParallel(edge, other, kSameAxisSine);
-                                   });
+    const bool known =
+        std::any_of(prism.directions.begin() + 1, prism.directions.end(),
+                    [&](const Vector3& other) { return isParallel(edge, other, kSameAxisSine); });
     if (!known) prism.directions.push_back(edge);
   }
   return prism;

@@ -485,13 +485,9 @@ std::vector<double> brickJointGaps(std::span<const brick::Pivot> pivots, const P
 
 std::vector<double> brickMoments(const brick::PairForces& forces, const Poses& poses) {
   std::vector<double> largest(poses.size(), 0);
-  const std::vector<brick::HingeSpring>& springs = brick::hingeSpringsOf(forces);
-  const std::vector<std::array<double, 2>> moments =
-      brick::endMoments(springs, brick::ligamentsOf(forces), poses);
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto [onA, onB] = moments[s];
-    double& a = largest[springs[s].hinge.brickA];
-    double& b = largest[springs[s].hinge.brickB];
+  for (const auto& [brickA, brickB, onA, onB] : brick::endMoments(forces, poses)) {
+    double& a = largest[static_cast<std::size_t>(brickA)];
+    double& b = largest[static_cast<std::size_t>(brickB)];
     a = std::max(a, std::abs(onA));
     b = std::max(b, std::abs(onB));
   }

@@ -722,6 +722,7 @@ class SubjectReader {
 
   // Rows of six integers, and the vectors of links and fixed joints.
   std::vector<model::Joint> readJoints() const {
+    constexpr int kKinds = static_cast<int>(model::kJointKinds.size());
     const std::vector<int> rows = file_.integers("model/joints");
     const std::size_t count = rows.size() / layout::kJointColumns;
     if (rows.size() != layout::kJointColumns * count) {
@@ -733,7 +734,7 @@ class SubjectReader {
       const int* row = &rows[layout::kJointColumns * k];
       joints.push_back({corner(row[0], row[1]), corner(row[2], row[3]),
                         static_cast<model::JointFace>(within(row[4], 1, 3, "face")),
-                        static_cast<model::JointKind>(within(row[5], 0, 2, "kind")),
+                        static_cast<model::JointKind>(within(row[5], 0, kKinds - 1, "kind")),
                         Vector3(&apart[3 * k])});
     }
     // Calls visit(k, joint) for each joint that an array names.

@@ -483,7 +483,7 @@ TEST(FormatErrors, FoldNumbersThatDoNotExist) {
             "Correct the number");
   const std::string two = "[[0,1,2],[0,1,2]]";
   EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,3]])"),
-            "@/a.fold: error: joint 0 has the kind 3; write 0 (pivot), 1 (link) or 2 (fixed)");
+            "@/a.fold: error: joint 0 has the kind 3; write one of 0 (pivot), 1 (link), 2 (fixed)");
   EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,1]])"),
             "@/a.fold: error: the link between tiles 0 and 1 has no length. Remove its kind to "
             "join the corners");
@@ -663,9 +663,10 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
     formats::writeModel(linked, "/tmp/sheet.obj");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the link "
-                 "between tiles 0 and 5. Convert to a .fold file");
+    EXPECT_STREQ(
+        error.what(),
+        "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the joint "
+        "(link) between tiles 0 and 5. Convert to a .fold file");
   }
 }
 
@@ -682,15 +683,15 @@ TEST(FormatErrors, WritersNumberTilesAsTheModelsFileDoes) {
   model::Model model = generate::makeTessellation({});
   model.joints = {model::makeLink(model.tiles, {0, 0}, {5, 2})};
   EXPECT_EQ(refusal(model, "/tmp/sheet.obj"),
-            "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the link "
-            "between tiles 1 and 6. Convert to a .fold file");
+            "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the joint "
+            "(link) between tiles 1 and 6. Convert to a .fold file");
   EXPECT_EQ(refusal(model, "/tmp/sheet"),
-            "/tmp/sheet: error: constraints.txt supports only joints at corners, not the link "
-            "between tiles 1 and 6. Convert to a .fold file");
+            "/tmp/sheet: error: constraints.txt supports only joints at corners, not the joint "
+            "(link) between tiles 1 and 6. Convert to a .fold file");
   model.joints = {model::makeFixedJoint(model.tiles, 0, 5)};
   EXPECT_EQ(refusal(model, "/tmp/sheet_vertices.txt"),
             "/tmp/sheet_vertices.txt: error: planar files support only joints at corners, not the "
-            "fixed tiles 1 and 6. Convert to a .fold file");
+            "joint (fixed) between tiles 1 and 6. Convert to a .fold file");
 }
 
 }  // namespace

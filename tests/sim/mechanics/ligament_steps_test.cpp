@@ -202,7 +202,7 @@ LigamentFate fateOf(double length, int exact, double stiffness, double step, dou
     const Poses from = sheet.motion.poses;
     fate.unconverged += solver->advance(sheet.motion, step, test::noLoads, nullptr).unconverged;
     // Tiles on soft springs turn right round. A run ends there.
-    if (brick::findJump(sheet.springs, from, sheet.motion.poses)) break;
+    if (brick::HingeSprings(sheet.springs).findJump(from, sheet.motion.poses)) break;
     const double after = test::energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
     if (!sheet.pivots.empty()) {

@@ -173,7 +173,9 @@ struct ClampedBeam {
     return {Pose{}, {end - turn * ligament.pointB, turn}};
   }
   std::array<double, 2> momentsAt(const Vector3& moved, double turned) const {
-    return brick::endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
+    const brick::EndMoments found =
+        brick::endMoments(test::pairForces({spring}, {ligament}), posesAt(moved, turned)).at(0);
+    return {found.onA, found.onB};
   }
 };
 
