@@ -56,8 +56,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments);
 // ------------------------------------------------------------------------------------------------
 // The commands and options of the program as plain values, for man pages, completions and stubs.
 
-/// An option of a command. All texts are as in --help; a text that does not apply is
-/// empty.
+/// An option of a command. All texts are as in --help; a text that does not apply is empty.
 struct OptionDescription {
   std::vector<std::string> names;  ///< with hyphens, e.g. "-h", "--help"; the last one is long
   std::string key;                 ///< its name in a scene file or a program, e.g. "thickness"

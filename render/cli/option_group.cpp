@@ -240,7 +240,7 @@ std::string fullName(const CLI::App& command) {
 namespace {
 
 /// Pictures along each side; no page can show more than 10,000 pictures.
-constexpr int kMostGridCells = 100;
+constexpr int kMaxGridCells = 100;
 
 /// "3x4"; null if the text is not two whole numbers with an x between them.
 std::optional<std::pair<long, long>> readPair(std::string_view text) {
@@ -394,11 +394,11 @@ double parseLength(const scene::TypedValue& value, const std::string& unit, scen
 
 picture::GridShape parseGrid(const scene::TypedValue& value) {
   const auto pair = readPair(value.text);
-  const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&
-                    isBetween(pair->second, 1, kMostGridCells);
+  const bool fits =
+      pair && isBetween(pair->first, 1, kMaxGridCells) && isBetween(pair->second, 1, kMaxGridCells);
   if (!fits) {
     throw scene::valueError(
-        value, fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
+        value, fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMaxGridCells));
   }
   return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
@@ -440,14 +440,14 @@ namespace {
 
 /// "3,7,10-15"; absent for other text.
 std::optional<std::vector<int>> tilesAndRanges(std::string_view text) {
-  constexpr long kMostTile = 1'000'000;
+  constexpr long kMaxTile = 1'000'000;
   std::vector<int> tiles;
   for (const std::string_view part : scene::split(text, ',')) {
     const std::size_t dash = part.find('-');
     const std::optional<long> first = scene::readWhole(part.substr(0, dash));
     const std::optional<long> last =
         dash == std::string_view::npos ? first : scene::readWhole(part.substr(dash + 1));
-    if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) return std::nullopt;
+    if (!first || !last || *first < 0 || *last < *first || *last > kMaxTile) return std::nullopt;
     for (long tile = *first; tile <= *last; ++tile) tiles.push_back(static_cast<int>(tile));
   }
   return tiles;

@@ -32,8 +32,7 @@ inline bool has(const std::vector<std::string>& names, const std::string& name) 
 
 // ------------------------------------------------------------------------------------------------
 // Reads the values of options about pictures and exports. sim/scene/settings.h reads those of a
-// scene. Every function throws InputError with the option, the value
-// and what is allowed.
+// scene. Every function throws InputError with the option, the value and what is allowed.
 
 /// "1280x720": a valid frame size. Width before height, in pixels, each from 1 to kMaxFrameSide.
 picture::FrameSize parseSize(const scene::TypedValue& value);

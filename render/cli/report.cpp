@@ -206,13 +206,13 @@ std::string describeCost(const record::RunSummary& summary) {
                   deploy.took.steps, deploy.cpuSeconds, record.cpuSecondsRender,
                   record.cpuSecondsEncode, record.wallSeconds);
   if (deploy.took.unconverged > 0) {
-    text +=
-        fmt::format("{} steps of the least length missed the tolerance of joints or contacts: {}\n",
-                    deploy.took.unconverged,
-                    summary.needs.contacts.on
-                        ? "in these, bricks that touch or are joined moved as rigid pieces and lag "
-                          "behind their springs"
-                        : "they were accepted; the joint gap and the end may have this error");
+    text += fmt::format(
+        "{} steps of the smallest length missed the tolerance of joints or contacts: {}\n",
+        deploy.took.unconverged,
+        summary.needs.contacts.on
+            ? "in these, bricks that touch or are joined moved as rigid pieces and lag "
+              "behind their springs"
+            : "they were accepted; the joint gap and the end may have this error");
   }
   return text;
 }

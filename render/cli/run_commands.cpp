@@ -416,7 +416,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "curves.csv has a row for each sample: width, height and depth of the sheet\n"
       "(along x, y, z), area and perimeter of its convex outline and the area that\n"
       "tiles cover (seen from above), porosity, Poisson's ratio since the start (of the\n"
-      "tiles' centres), the least, mean and largest opening of the joints, kinetic\n"
+      "tiles' centres), the smallest, mean and largest opening of the joints, kinetic\n"
       "energy, target error, joint gap and overlap, and each joint's opening. Runs\n"
       "with dynamics also have the energy in springs, the work of the drives, the\n"
       "losses in dampers, contacts and the integrator, and the forces of joints, pins,\n"
@@ -499,7 +499,7 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
   group
       .value("--most-size", "MB", "25", "largest size of a page; a larger page is an error",
              [&settings](const scene::TypedValue& typed) {
-               settings.mostMegabytes = scene::parseNumber(typed, {0.1, 1e5});
+               settings.maxMegabytes = scene::parseNumber(typed, {0.1, 1e5});
              })
       .excludeFromFingerprint();
 }
@@ -527,10 +527,10 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 
 void completeOrder(const CLI::App& command, PageOrder& order) {
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
-  if (order.runs.size() > page::kMostPageRuns) {
+  if (order.runs.size() > page::kMaxPageRuns) {
     throw InputError(
         fmt::format("error: {} runs are given, but a page shows at most {}; make several pages",
-                    order.runs.size(), page::kMostPageRuns));
+                    order.runs.size(), page::kMaxPageRuns));
   }
   std::ranges::transform(order.runs, order.runs.begin(), output::trajectoryOf);
 }

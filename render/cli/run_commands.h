@@ -24,7 +24,7 @@ namespace kirireel::cli {
 struct RenderOrder {
   /// Several: one grid with a row per run, and a video with the runs side by side.
   std::vector<std::filesystem::path> trajectories;
-  record::PictureSettings settings;                 ///< folder is empty if --out was not given
+  record::PictureSettings settings;  ///< folder is empty if --out was not given
 };
 
 /// Adds `render`. The order must outlive the parsing.
@@ -92,7 +92,7 @@ int carryOut(const CurvesOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel page RUN...`.
 
-/// The runs of a page, and its settings. At least one run, at most kMostPageRuns.
+/// The runs of a page, and its settings. At least one run, at most kMaxPageRuns.
 struct PageOrder {
   std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or its folder
   page::WebPageSettings settings;           ///< folder is empty if --out was not given

@@ -374,12 +374,12 @@ model::Model readModelAt(const std::filesystem::path& place, const std::filesyst
 }
 
 void checkThickness(const scene::Scene& scene, std::vector<std::string>& warnings) {
-  constexpr double kMost = 0.1;  // of a tile's mean edge
-  constexpr double kLeast = 1e-3;
+  constexpr double kMax = 0.1;  // of a tile's mean edge
+  constexpr double kMin = 1e-3;
   const double edge = model::tileSize(scene.model);
   const double thickness = scene.brick.thickness;
   const LengthUnit& unit = scene.model.unit;
-  if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
+  if (thickness >= kMin * edge && thickness <= kMax * edge) return;
   warnings.push_back(fmt::format(
       "{}: warning: bricks are {} thick, but a tile's mean edge is {}; lengths are in "
       "{}; try --thickness {:.2g}",

@@ -43,7 +43,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A larger number of runs is probably a mistake.
-constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
+constexpr std::uint64_t kMaxUnconfirmed = 1'000'000;
 // A megabyte is 10^6 bytes here, as in the page's limit.
 constexpr double kBytesInMegabyte = 1e6;
 // In each run's folder: its printed text, mainly warnings.
@@ -104,7 +104,7 @@ void addWorkerOptions(CLI::App& command, sweep::WorkerLimits& limits) {
 /// 0.1 s per run, as for a small sheet.
 void requireConfirmation(const SweepRuns& runs, bool confirmed) {
   const std::uint64_t count = runs.sweep().plan.size();
-  if (count <= kMostUnconfirmed || confirmed) return;
+  if (count <= kMaxUnconfirmed || confirmed) return;
   throw InputError(
       fmt::format("{}: error: these are {:.3g} runs, about {:.4g} days of one core at 0.1 s each; "
                   "use fewer values, or add --yes",

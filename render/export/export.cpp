@@ -630,7 +630,7 @@ const std::vector<ExportFormat>& exportFormats() {
   return formats;
 }
 
-/// The least distance between two parallel lines that enclose a tile.
+/// The smallest distance between two parallel lines that enclose a tile.
 double widthOf(const brick::Brick& brick) {
   const std::vector<Vector3>& corners = brick.bottom;
   double width = std::numeric_limits<double>::infinity();
@@ -678,7 +678,7 @@ double lockingOf(double slenderness, double perEdge, const fea::ElementRule& rul
 /// up to 83% too little.
 void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Subject& subject,
                            const ExportSettings& settings) {
-  constexpr double kLeastReportedError = 0.03;
+  constexpr double kMinReportedError = 0.03;
   constexpr double kThin = 100;
   constexpr double kFewest = 4;
   const fea::ElementRule& rule = settings.elements;
@@ -708,7 +708,7 @@ void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Su
         "elements per edge a square deflects wrongly by about 10% or more: use more with "
         "--elements-per-edge",
         tile, slenderness, kFewest));
-  } else if (most > kLeastReportedError) {
+  } else if (most > kMinReportedError) {
     lines.push_back(fmt::format(
         "warning: tile {} is {:.0f} times as wide as thick; a clamped square that is as thin "
         "deflects about {:.0f}% too little with {:.2g} elements per edge: use more with "

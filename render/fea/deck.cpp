@@ -42,7 +42,7 @@ namespace {
 
 /// Larger sheets have sets only on request. A tile has at least nine sets, and programs search all
 /// names for each name: the reading time is quadratic in the number of sets.
-constexpr std::size_t kMostTilesWithSets = 1000;
+constexpr std::size_t kMaxTilesWithSets = 1000;
 
 const char* jointWord(const ElementMesh& mesh) {
   switch (mesh.rule.joints) {
@@ -304,7 +304,7 @@ std::vector<int> countedFrom(std::size_t first, std::size_t count) {
 
 SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
   if (choice != SetChoice::Auto) return choice;
-  return tiles <= kMostTilesWithSets ? SetChoice::All : SetChoice::None;
+  return tiles <= kMaxTilesWithSets ? SetChoice::All : SetChoice::None;
 }
 
 }  // namespace
@@ -373,9 +373,8 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 //
 // Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
-// as the same double usually fits. 14 digits with sign, point and exponent always
-// fit: 1 + 1 + 1 + 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below
-// 1e-90 become zero.
+// as the same double usually fits. 14 digits with sign, point and exponent always fit: 1 + 1 + 1 +
+// 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below 1e-90 become zero.
 //
 // Units. A deck has no units, and the user must keep them consistent. With lengths in mm and forces
 // in N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa). Mass is in tonnes, because 1 N = 1 t mm/s^2.
@@ -391,7 +390,7 @@ constexpr int kNumbersInLine = 16;  ///< limit per line in CalculiX and Abaqus
 /// Smaller coordinates are rounding errors. Their exponents would need a third digit.
 constexpr double kSmallest = 1e-90;
 /// As a fraction of the thickness. Contact tolerates smaller overlaps.
-constexpr double kLeastReportedOverlap = 1e-4;
+constexpr double kMinReportedOverlap = 1e-4;
 
 /// One line of printable characters for any name. Line breaks and other control characters would
 /// end the comment and begin a card.
@@ -411,7 +410,7 @@ UnitScale unitScale(DeckUnit unit) {
 }
 
 bool isReportableOverlap(double overlap, double thickness) {
-  return overlap > kLeastReportedOverlap * thickness;
+  return overlap > kMinReportedOverlap * thickness;
 }
 
 std::string deckNumber(double value) {

@@ -155,8 +155,7 @@ std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh);
 const char* elementType(const TileElements& tile, const ElementRule& rule);
 
 // ------------------------------------------------------------------------------------------------
-// Rigid patches at joints, and springs between them, in decks of CalculiX and
-// Abaqus.
+// Rigid patches at joints, and springs between them, in decks of CalculiX and Abaqus.
 
 /// The rigid patches of a mesh with their reference nodes, numbered after the mesh's own nodes.
 /// In CalculiX the patches of a joint share one node. A patch with a spring has a further node

@@ -41,17 +41,17 @@ namespace kirireel::fea {
 namespace {
 
 /// A single quadratic element cannot represent a varying bending moment.
-constexpr int kLeastDefaultPerEdge = 2;
+constexpr int kMinDefaultPerEdge = 2;
 /// Also the range in the command line's help. Limit for an edge and for the thickness.
-constexpr int kMostElements = 64;
+constexpr int kMaxElements = 64;
 /// A larger mesh would fill memory, and no program reads it.
-constexpr std::size_t kMostElementsInAll = 4'000'000;
+constexpr std::size_t kMaxElementsInTotal = 4'000'000;
 
 /// Limit of the default: at most half a million nodes, which a direct solver can still factorise on
 /// a workstation.
 constexpr std::size_t kDefaultElementsInAll = 60'000;
 /// Elements with a larger ratio of length to thickness are useless in any program.
-constexpr double kMostAspect = 500;
+constexpr double kMaxAspect = 500;
 
 /// The lengths of a tile's edges, metres.
 std::vector<double> edgeLengths(const brick::Brick& brick) {
@@ -62,11 +62,11 @@ std::vector<double> edgeLengths(const brick::Brick& brick) {
   return lengths;
 }
 
-/// A quarter of the least distance between two corners of a tile, which keeps patches apart. At
+/// A quarter of the smallest distance between two corners of a tile, which keeps patches apart. At
 /// half this distance patches would touch.
 double defaultPatchRadius(const std::vector<brick::Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
-  for (const brick::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
+  for (const brick::Brick& brick : bricks) least = std::min(least, smallestDistance(brick.bottom));
   return 0.25 * least;
 }
 
@@ -167,11 +167,11 @@ std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule
 
 void requireReasonableCount(const std::vector<Division>& divisions, const ElementRule& rule) {
   const std::size_t count = elementsIn(divisions, rule);
-  if (count <= kMostElementsInAll) return;
+  if (count <= kMaxElementsInTotal) return;
   throw InputError(
       fmt::format("error: {} elements would be made, at most {} are allowed; use fewer "
                   "per edge or through the thickness",
-                  count, kMostElementsInAll));
+                  count, kMaxElementsInTotal));
 }
 
 Footprint footprintOf(const Division& division, const ElementRule& rule) {
@@ -239,12 +239,12 @@ double longestEdge(const ElementMesh& mesh, const Element& element) {
 void checkAspect(const ElementMesh& mesh, const Element& element, int tile, double thickness) {
   const double length = longestEdge(mesh, element);
   const double height = thickness / mesh.rule.through;
-  if (length <= kMostAspect * height) return;
+  if (length <= kMaxAspect * height) return;
   throw InputError(fmt::format(
       "error: tile {} is too thin for its elements, {} long and {} high; at most {} "
       "times as long as high are allowed: use more elements per edge, fewer through the thickness, "
       "or thicker bricks",
-      tile, lengthText(length, mesh.rule.unit), lengthText(height, mesh.rule.unit), kMostAspect));
+      tile, lengthText(length, mesh.rule.unit), lengthText(height, mesh.rule.unit), kMaxAspect));
 }
 
 /// Merged corners are at their mean, so a joint with a large gap can also fold an element.
@@ -357,9 +357,9 @@ void requireBuildable(const ElementRule& rule) {
   }
 }
 
-/// The least number of elements per edge whose nodes fill every patch. A message suggests it if a
-/// mesh is too coarse.
-int leastPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
+/// The smallest number of elements per edge whose nodes fill every patch. A message suggests it if
+/// a mesh is too coarse.
+int minPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
   int least = 1;
   for (const brick::Brick& brick : bricks) {
     least = std::max(least, perEdgeForPatch(std::ranges::max(edgeLengths(brick)), rule));
@@ -397,9 +397,9 @@ int nodeCount(const ElementRule& rule) {
 
 void requireValidRule(const ElementRule& rule) {
   const auto require = [](int found, int least, const char* what) {
-    if (found >= least && found <= kMostElements) return;
+    if (found >= least && found <= kMaxElements) return;
     throw InputError(fmt::format("error: {} elements {} are not possible; choose 1 to {}", found,
-                                 what, kMostElements));
+                                 what, kMaxElements));
   };
   require(rule.perEdge, 0, "per edge");
   require(rule.through, 1, "through the thickness");
@@ -420,7 +420,7 @@ void requireValidRule(const ElementRule& rule) {
 int defaultPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule) {
   int defaultCount = kDefaultPerEdge;
   // The count falls with the square of `defaultCount`, so a few rounds are sufficient.
-  while (defaultCount > kLeastDefaultPerEdge &&
+  while (defaultCount > kMinDefaultPerEdge &&
          elementsIn(divisionsOf(bricks, rule, defaultCount), rule) > kDefaultElementsInAll) {
     --defaultCount;
   }
@@ -449,7 +449,7 @@ ElementMesh makeElementMesh(const std::vector<brick::Brick>& bricks,
   }
   // Measure gaps before merging, since the mean closes them.
   if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
-  if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
+  if (rule.joints == JointStyle::Patch) spreadPatches(mesh, minPerEdge(bricks, mesh.rule));
   if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);
   return mesh;
 }
@@ -1034,13 +1034,13 @@ std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, 
 }
 
 void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
-                   int leastPerEdge) {
+                   int minPerEdge) {
   if (patch.size() >= 3) return;
   throw InputError(
       fmt::format("error: a joint patch of radius {} has {} nodes of tile {}, at least 3 are "
                   "needed; use {} elements per edge or a larger radius",
                   lengthText(mesh.rule.patchRadius, mesh.rule.unit, 4), patch.size(),
-                  tile + mesh.rule.countsFrom, leastPerEdge));
+                  tile + mesh.rule.countsFrom, minPerEdge));
 }
 
 /// A node can belong to only one rigid body. `isTaken` has the nodes of all previous tiles.
@@ -1054,7 +1054,7 @@ void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& me
           "error: joint patches of radius {} overlap on tile {}; choose one "
           "below {}, half the distance of its nearest corners",
           lengthText(mesh.rule.patchRadius, mesh.rule.unit, 4), tile + mesh.rule.countsFrom,
-          lengthText(0.5 * leastDistance(corners), mesh.rule.unit, 4)));
+          lengthText(0.5 * smallestDistance(corners), mesh.rule.unit, 4)));
     }
     isTaken[node] = true;
   }
@@ -1062,7 +1062,7 @@ void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& me
 
 }  // namespace
 
-double leastDistance(const std::vector<Vector3>& points) {
+double smallestDistance(const std::vector<Vector3>& points) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < points.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) least = std::min(least, (points[a] - points[b]).norm());
@@ -1188,14 +1188,14 @@ void mergeClusters(ElementMesh& mesh) {
   mergeNodes(mesh, lowest);
 }
 
-void spreadPatches(ElementMesh& mesh, int leastPerEdge) {
+void spreadPatches(ElementMesh& mesh, int minPerEdge) {
   const std::vector<int> owner = tilesOfNodes(mesh);
   std::vector<bool> isTaken(mesh.nodes.size());
   for (NodeCluster& cluster : mesh.clusters) {
     for (const int corner : cluster.nodes) {
       const int tile = owner[corner];
       cluster.patches.push_back(patchAround(mesh, mesh.tiles[tile], corner));
-      requireEnough(cluster.patches.back(), tile, mesh, leastPerEdge);
+      requireEnough(cluster.patches.back(), tile, mesh, minPerEdge);
       requireApart(cluster.patches.back(), tile, mesh, isTaken);
     }
   }

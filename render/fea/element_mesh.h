@@ -330,8 +330,8 @@ class PrismLayers {
 // ------------------------------------------------------------------------------------------------
 // Corners of tiles at common joints: search, merge, and rigid patches.
 
-/// The least distance between two points, infinite for fewer than two. Compares all pairs.
-double leastDistance(const std::vector<Vector3>& points);
+/// The smallest distance between two points, infinite for fewer than two. Compares all pairs.
+double smallestDistance(const std::vector<Vector3>& points);
 
 /// The nodes of each pivot, in their order. Fixed joints are left out (joinTiles). Throws
 /// InputError for a link, which no deck can hold. `countsFrom`: the first joint's number in
@@ -354,8 +354,8 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
 void mergeClusters(ElementMesh& mesh);
 
 /// Gives each node of each cluster its patch. Throws InputError if two patches overlap or a patch
-/// has fewer than three nodes. The message recommends `leastPerEdge` elements along each edge.
-void spreadPatches(ElementMesh& mesh, int leastPerEdge);
+/// has fewer than three nodes. The message recommends `minPerEdge` elements along each edge.
+void spreadPatches(ElementMesh& mesh, int minPerEdge);
 
 // ------------------------------------------------------------------------------------------------
 // A flat sheet with necks of material at its joints, in one piece, as finite elements.

@@ -5,9 +5,9 @@
 //     $PhysicalNames   count; then dimension, number, "name" of each group
 //     $Entities        counts of points, curves, surfaces, volumes; then each with its place or
 //                      box, its groups, and the entities that bound it (none are named here)
-//     $Nodes           blocks, nodes, least and largest number; by block: dimension, entity, 0,
+//     $Nodes           blocks, nodes, smallest and largest number; by block: dimension, entity, 0,
 //                      count, then the numbers, then the positions
-//     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
+//     $Elements        blocks, elements, smallest and largest number; by block: dimension, entity,
 //                      kind, count, then number and nodes of each
 //
 // An element belongs to an entity and an entity to groups. An element therefore occurs once in the
@@ -234,8 +234,7 @@ class GmshText {
     for (Block& block : faces) {
       // No program can show a surface without elements.
       const bool isSide = &block == &faces[2];
-      const bool hasSides =
-          sets_ == SetChoice::All && mesh_.rule.joints != JointStyle::Neck;
+      const bool hasSides = sets_ == SetChoice::All && mesh_.rule.joints != JointStyle::Neck;
       if (isSide && (!hasSides || block.elements.empty())) continue;
       blocks_.push_back(std::move(block));
     }

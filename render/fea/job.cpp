@@ -11,7 +11,7 @@
 //
 // Supports. A sheet of tiles on ideal hinges is a mechanism. Its stiffness matrix is singular or,
 // worse, nearly singular. A program may then end without a warning with displacements of 1e9 m.
-// leastSupports (job.h) holds six motions of the whole and one displacement per mechanism. This is
+// minSupports (job.h) holds six motions of the whole and one displacement per mechanism. This is
 // the minimum for a unique solution, and the supports carry only the load that equilibrium
 // requires.
 //
@@ -190,7 +190,7 @@ struct HeldSheet {
 
 HeldSheet heldSheet(const ElementMesh& mesh) {
   HeldSheet held{{}, gripsOf(mesh), {}};
-  held.supports = leastSupports(mesh, {}, nodesOf(held.grips));
+  held.supports = minSupports(mesh, {}, nodesOf(held.grips));
   held.sets = "** What the job holds and grips.\n";
   appendNodeSet(held.sets, "NHOLD", nodesOf(held.supports));
   for (const GripLoad& grip : held.grips) appendNodeSet(held.sets, grip.name, nodesOf({grip}));
@@ -236,10 +236,10 @@ std::vector<double> openingsOf(const Vector3& axis, const std::vector<int>& tile
 /// Every n-th sample, including the first and the last. This limits the amplitudes: CalculiX 2.20
 /// crashes on decks with 300,000 pairs, and reads 220,000.
 TileHistory thinned(const TileHistory& history, std::size_t driven) {
-  constexpr std::size_t kMostPairs = 200'000;
+  constexpr std::size_t kMaxPairs = 200'000;
   const std::size_t count = history.times.size();
   // The last sample is always added, because the end state matters most.
-  const std::size_t step = driven * count / kMostPairs + 1;
+  const std::size_t step = driven * count / kMaxPairs + 1;
   TileHistory kept;
   for (std::size_t k = 0; k + 1 < count; k += step) {
     kept.times.push_back(history.times[k]);
@@ -440,7 +440,7 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
   }
   // The remaining free motions also follow the trajectory. Holding them at rest would block the
   // mechanism.
-  const std::vector<NodeDisplacement> rest = leastSupports(mesh, tiles);
+  const std::vector<NodeDisplacement> rest = minSupports(mesh, tiles);
   driven.insert(driven.end(), rest.begin(), rest.end());
   std::ranges::sort(driven);
 
@@ -530,7 +530,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   // prevent.
   ElementMesh tied = mesh;
   tied.ties = periodic.ties;
-  const std::vector<NodeDisplacement> supports = leastSupports(tied);
+  const std::vector<NodeDisplacement> supports = minSupports(tied);
   // Numbered as in meshDeck: after the mesh's nodes.
   const int control = static_cast<int>(mesh.nodes.size());
   const double scale = unitScale(settings.unit).length;
@@ -633,10 +633,10 @@ struct TileMotion {
   }
 };
 
-/// Minimum for six displacements to fix a tile at any rotation: least singular value of their
+/// Minimum for six displacements to fix a tile at any rotation: smallest singular value of their
 /// equations, with spins scaled by the tile's size. Tiles below it are driven by nine
 /// displacements.
-constexpr double kLeastGrip = 0.1;
+constexpr double kMinGrip = 0.1;
 /// Number of a tile's rotations that are checked.
 constexpr std::size_t kTurnsLookedAt = 24;
 
@@ -761,9 +761,9 @@ class MotionFinder {
     return rows;
   }
 
-  /// Conditioning of the displacements in the worst rotation of the tile: the least singular value
-  /// of the rows. 1 is as good as velocity and spin themselves. 0 means that some motion affects
-  /// none of the displacements.
+  /// Conditioning of the displacements in the worst rotation of the tile: the smallest singular
+  /// value of the rows. 1 is as good as velocity and spin themselves. 0 means that some motion
+  /// affects none of the displacements.
   double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Matrix3& turn : turns) {
@@ -780,14 +780,14 @@ class MotionFinder {
                 TileMotion& motion) const {
     double best = gripOf(motion, turns);
     for (const Matrix3& turn : turns) {
-      if (best >= kLeastGrip) return;
+      if (best >= kMinGrip) return;
       TileMotion other;
       if (!choose(nodes, turn, other)) continue;
       const double grip = gripOf(other, turns);
       if (grip > best) motion = other;
       best = std::max(best, grip);
     }
-    if (best < kLeastGrip) motion.displacements = allOfThree(nodes);
+    if (best < kMinGrip) motion.displacements = allOfThree(nodes);
   }
 
   /// All displacements of a node, of the node farthest from it, and of the node farthest from their
@@ -913,9 +913,9 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
   return displacements;
 }
 
-std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
-                                            const std::vector<int>& fixedTiles,
-                                            const std::vector<int>& loadedNodes) {
+std::vector<NodeDisplacement> minSupports(const ElementMesh& mesh,
+                                          const std::vector<int>& fixedTiles,
+                                          const std::vector<int>& loadedNodes) {
   const MotionFinder finder(mesh, loadedNodes);
   const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
   // A fixed tile already holds a single body.
@@ -972,7 +972,7 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 //
 // A short pivot makes a motion long: with R_kk = 1e-6, an unknown j at 1 may move the unknown k by
 // R_kj / R_kk = 1e6. Holding j then barely holds that motion, and its remainder is that of a motion
-// far longer than 1. Unknowns that others would move by more than kMostGrowth are not eliminated
+// far longer than 1. Unknowns that others would move by more than kMaxGrowth are not eliminated
 // but go to L (delayed pivots; I. S. Duff, J. K. Reid, The multifrontal solution of indefinite
 // sparse symmetric linear equations, ACM Trans. Math. Softw. 9, 1983). The last front eliminates
 // the longest columns first.
@@ -981,7 +981,7 @@ namespace {
 
 constexpr Eigen::Index kUnknowns = 6;
 /// An unknown moves an eliminated one by at most this many times itself, else elimination waits.
-constexpr double kMostGrowth = 2;
+constexpr double kMaxGrowth = 2;
 
 class FrontalElimination {
  public:
@@ -1117,7 +1117,7 @@ class FrontalElimination {
       // R_kk R_kj for all j. The last front of a sheet has no parent.
       const auto below = front.bottomRightCorner(front.rows() - done, front.cols() - done);
       if (!node.rows.empty() && (below.col(longest).transpose() * below).cwiseAbs().maxCoeff() >
-                                    kMostGrowth * length * length) {
+                                    kMaxGrowth * length * length) {
         break;
       }
       exchange(done, done + longest);

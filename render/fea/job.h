@@ -22,18 +22,18 @@ struct DeckJob {
   std::string text;  ///< text of the job, which includes the mesh deck
 };
 
-/// A job that includes the mesh deck `meshFile` and runs without editing. Only leastSupports hold
+/// A job that includes the mesh deck `meshFile` and runs without editing. Only minSupports hold
 /// the sheet. A force of 1 N on each end of its longest axis (XMIN and XMAX, or of another axis)
 /// pulls it along the line between the middles of these ends. The force passes through its joints.
 /// Requests displacements, stresses, strains and reactions. The user can edit it as a template.
-/// *INCLUDE gets `meshFile` unchanged. Throws like leastSupports and costs as much: a sparse
+/// *INCLUDE gets `meshFile` unchanged. Throws like minSupports and costs as much: a sparse
 /// factorisation of six unknowns per tile.
 DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                   const std::string& meshFile);
 
 /// The same supports with compressed ends: a *BUCKLE step that computes the first five multiples of
 /// 1 N at which the sheet buckles. Needs the sets of staticJob. Factors are forces in newtons,
-/// because the load is 1 N. Throws like leastSupports.
+/// because the load is 1 N. Throws like minSupports.
 DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 
@@ -52,7 +52,7 @@ std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice)
 
 /// A job that follows a deployment with large displacements. *AMPLITUDE moves nodes of the
 /// driven tiles (tileDisplacements) as in the trajectory. It also moves the remaining
-/// mechanisms of the joints (leastSupports). The time of its step is the deployment's time.
+/// mechanisms of the joints (minSupports). The time of its step is the deployment's time.
 /// Prints the reactions at NDRIVE in every increment, in CalculiX also the strain energy.
 /// `history` has at least two times and one set of poses for each. Samples are skipped if a
 /// deck would have more than 200,000 pairs. Throws like requireDrivable and
@@ -106,9 +106,9 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 /// no others, since the load on a held node is part of its reaction. Sorted. Throws
 /// InputError like tileDisplacements. Costs a sparse QR factorisation of six unknowns per
 /// tile (job.h).
-std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
-                                            const std::vector<int>& fixedTiles = {},
-                                            const std::vector<int>& loadedNodes = {});
+std::vector<NodeDisplacement> minSupports(const ElementMesh& mesh,
+                                          const std::vector<int>& fixedTiles = {},
+                                          const std::vector<int>& loadedNodes = {});
 
 // ------------------------------------------------------------------------------------------------
 // Free unknowns of a sparse system of equations between pairs of tiles.

@@ -268,7 +268,7 @@ void tidy(RegionMesh& mesh) {
     const auto at = [&](int k) { return mesh.points[cell[k]]; };
     const writers::Vector2 a = at(2) - at(0);
     const writers::Vector2 b = at(3) - at(1);
-    if (a.x() * b.y() - a.y() * b.x() < 0) std::swap(cell[1], cell[3]);
+    if (crossZ(a, b) < 0) std::swap(cell[1], cell[3]);
     for (const int point : cell) {
       if (numbers[point] >= 0) continue;
       // Points are numbered by first use in cells. Samples of fields, which Gmsh keeps as nodes,

@@ -47,11 +47,11 @@ std::vector<std::vector<int>> regionsOf(const writers::NeckOutline& outline) {
 }
 
 double turnOf(const Vector2& a, const Vector2& b, const Vector2& c) {
-  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+  return crossZ(b - a, c - a);
 }
 
-/// The least angle of a triangle, radians; negative if it runs clockwise.
-double leastAngle(const Vector2& a, const Vector2& b, const Vector2& c) {
+/// The smallest angle of a triangle, radians; negative if it runs clockwise.
+double smallestAngle(const Vector2& a, const Vector2& b, const Vector2& c) {
   const auto angle = [](const Vector2& p, const Vector2& q, const Vector2& r) {
     return std::atan2(turnOf(p, q, r), (q - p).dot(r - p));
   };
@@ -75,7 +75,7 @@ std::vector<std::array<int, 3>> trianglesOfLoop(std::vector<int> loop,
     double widest = -1;
     for (std::size_t k = 0; k < loop.size(); ++k) {
       const Vector2 a = at(k + loop.size() - 1), b = at(k), c = at(k + 1);
-      const double angle = leastAngle(a, b, c);
+      const double angle = smallestAngle(a, b, c);
       if (angle <= widest) continue;
       const double tolerance = 1e-12 * (c - a).squaredNorm();
       bool isFree = true;

@@ -45,9 +45,9 @@ WorkFolder::~WorkFolder() {
 
 std::string writtenText(const std::string& file) {
   // Results of large meshes have gigabytes; more than four are not read into memory.
-  constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
+  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;
   if (!isFile(file)) return {};
-  return readTextFile(file, "", kMostBytes);
+  return readTextFile(file, "", kMaxBytes);
 }
 
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice) {
@@ -97,9 +97,10 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
   writeTextFile(input, geometry);
   std::vector<std::string> all = {"gmsh", input, "-o", output, "-nt", "1", "-v", "2", "-nopopup"};
   all.insert(all.end(), words.begin(), words.end());
-  const int end = runProgram(
-      all, log, fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
-                            name.ends_with(".msh") ? "other --joints" : "another format"));
+  const int end =
+      runProgram(all, log,
+                 fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
+                             name.ends_with(".msh") ? "other --joints" : "another format"));
   std::string text = writtenText(output);
   if (end == 0 && !text.empty()) return text;
   // The first error is the cause of later ones.

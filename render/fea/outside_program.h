@@ -30,11 +30,10 @@ class WorkFolder {
 /// files above 4 GiB and for unreadable files.
 std::string writtenText(const std::string& file);
 
-/// Runs a program from the search path and waits for it. The file `log` gets its
-/// output, and its working folder is that of `log`. `words` are the program's name
-/// and its arguments, without a shell. Returns its status as in waitpid, 0 for
-/// success. Throws InputError if there is no such program, with `advice` for the
-/// user.
+/// Runs a program from the search path and waits for it. The file `log` gets its output, and its
+/// working folder is that of `log`. `words` are the program's name and its arguments, without a
+/// shell. Returns its status as in waitpid, 0 for success. Throws InputError if there is no such
+/// program, with `advice` for the user.
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice);
 
 // ------------------------------------------------------------------------------------------------

@@ -250,10 +250,10 @@ constexpr const char* kMarkText =
     "Kirireel works here. It moves whole files out of this folder and removes all others.\n";
 
 /// Maximum number of files in a message.
-constexpr std::size_t kMostNamed = 3;
+constexpr std::size_t kMaxNamed = 3;
 
 [[noreturn]] void refuse(const fs::path& folder, const std::vector<std::string>& foreign) {
-  const std::size_t named = std::min(kMostNamed, foreign.size());
+  const std::size_t named = std::min(kMaxNamed, foreign.size());
   const std::vector<std::string> names(foreign.begin(),
                                        foreign.begin() + static_cast<std::ptrdiff_t>(named));
   const std::size_t others = foreign.size() - named;

@@ -46,7 +46,7 @@ constexpr const char* kScripts[] = {"three.min.js", "OrbitControls.js", "packed.
                                     "player.js",    "page.js"};
 
 /// Maximum size of one embedded file, bytes.
-constexpr std::uintmax_t kMostEmbedded = 1u << 30;
+constexpr std::uintmax_t kMaxEmbedded = 1u << 30;
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
@@ -130,7 +130,7 @@ std::string mediaType(const std::filesystem::path& file) {
 /// A file within the page: a video, a picture, or a download link. Bytes become a data: URL (RFC
 /// 2397), a third larger than the file.
 std::string embeddedHtml(const std::filesystem::path& file) {
-  const std::string bytes = readTextFile(file, "name files of the run with --embed", kMostEmbedded);
+  const std::string bytes = readTextFile(file, "name files of the run with --embed", kMaxEmbedded);
   const std::string type = mediaType(file), name = htmlText(file.filename().string());
   const std::string source =
       fmt::format("data:{};base64,{}", type, base64(std::as_bytes(std::span(bytes))));
@@ -159,7 +159,7 @@ std::string wordsHtml(const trajectory::TrajectoryReader& run, const std::filesy
 /// states that would fit.
 void requireSize(const std::string& page, std::size_t dataBytes, std::size_t states,
                  const WebPageSettings& settings) {
-  const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
+  const double most = 1e6 * settings.maxMegabytes, size = static_cast<double>(page.size());
   if (size <= most) return;
   // Fewer states are farther apart, and each takes a little more space. The data must shrink by the
   // excess; `share` is the fraction of them that may stay.
@@ -170,7 +170,7 @@ void requireSize(const std::string& page, std::size_t dataBytes, std::size_t sta
   throw InputError(
       fmt::format("error: the page would have {:.1f} MB and may have {:g}; give {}{}a larger "
                   "--most-size",
-                  size / 1e6, settings.mostMegabytes, thinner,
+                  size / 1e6, settings.maxMegabytes, thinner,
                   settings.states.exact ? "no --exact, or "
                   : thinner.empty()     ? ""
                                         : "or "));
@@ -815,11 +815,11 @@ void PosePacker::add(const Poses& poses) {
 
 void PosePacker::addRounded(const std::vector<double>& entries) {
   // Limits the positions of bricks that fly away to the range of numbers.
-  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  constexpr double kMax = std::numeric_limits<std::int32_t>::max();
   last_.resize(entries.size());
   lastButOne_.resize(entries.size());
   for (std::size_t k = 0; k < entries.size(); ++k) {
-    const std::int64_t entry = std::llround(std::clamp(entries[k], -kMost, kMost));
+    const std::int64_t entry = std::llround(std::clamp(entries[k], -kMax, kMax));
     // last_ and lastButOne_ are zero before the first sample.
     differences_.push_back(zigzag(entry - 2 * last_[k] + lastButOne_[k]));
     lastButOne_[k] = last_[k];

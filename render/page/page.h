@@ -93,9 +93,9 @@ class PosePacker {
   std::vector<std::int64_t> last_, lastButOne_;  ///< rounded entries
 };
 
-/// Values >= 0 in 255 steps of equal ratios between the least value > 0 and the largest, since the
-/// order of magnitude of gaps and errors matters. Code 0 is 0. {"least", "most", "codes": array}
-/// NaN counts as 0.
+/// Values >= 0 in 255 steps of equal ratios between the smallest value > 0 and the largest, since
+/// the order of magnitude of gaps and errors matters. Code 0 is 0. {"least", "most", "codes":
+/// array} NaN counts as 0.
 Json packedMagnitudes(std::span<const double> values);
 
 // ------------------------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ std::string stillPicture(const trajectory::TrajectoryReader& run,
 inline constexpr const char* kPageFile = "page.html";
 
 /// The largest number of runs on a page.
-inline constexpr std::size_t kMostPageRuns = 2;
+inline constexpr std::size_t kMaxPageRuns = 2;
 
 /// Settings of a page. All runs have one style, for comparison.
 struct WebPageSettings {
@@ -143,7 +143,7 @@ struct WebPageSettings {
   /// Files in the folder of each trajectory to embed in the page. Videos can be played, pictures
   /// are shown, others can be saved.
   std::vector<std::string> embedded;
-  double mostMegabytes = 25;       ///< limit; a larger page is refused; 1e6 bytes each
+  double maxMegabytes = 25;        ///< limit; a larger page is refused; 1e6 bytes each
   picture::Appearance appearance;  ///< of all runs
 };
 

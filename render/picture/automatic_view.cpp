@@ -48,7 +48,7 @@ constexpr int kSide = 96;
 /// Steps of the directions, degrees.
 constexpr int kAzimuthStep = 15;
 constexpr int kElevationStep = 10;
-constexpr int kMostElevation = 80;
+constexpr int kMaxElevation = 80;
 /// From this elevation on, candidate azimuths are multiples of 90 degrees.
 constexpr int kSteep = 70;
 
@@ -263,7 +263,7 @@ Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles f
   DepthBuffer buffer;
   std::vector<std::pair<double, Axes>> candidates;
   double most = 0;
-  for (int elevation = fromBelow ? -kMostElevation : kElevationStep; elevation <= kMostElevation;
+  for (int elevation = fromBelow ? -kMaxElevation : kElevationStep; elevation <= kMaxElevation;
        elevation += kElevationStep) {
     const int step = std::abs(elevation) >= kSteep ? 90 : kAzimuthStep;
     for (int azimuth = -90; azimuth < 270; azimuth += step) {

@@ -12,7 +12,7 @@
 //
 // Fit in perspective: let z be along `back`, the eye at (X, Z), and s = tan(field of view / 2) (1 -
 // 2 margin). A point (x, z) is inside if |x - X| <= s (Z - z). With r = max(x + s z) and l = min(x
-// - s z) the least Z is (r - l) / 2 s, at X = (r + l) / 2. The larger Z of the picture's two
+// - s z) the smallest Z is (r - l) / 2 s, at X = (r + l) / 2. The larger Z of the picture's two
 // directions is taken. The zoom then narrows the field of view and does not move the eye, so the
 // perspective does not change.
 //

@@ -13,8 +13,7 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // An OpenGL 3.3 core context that needs no screen.
 
-/// The libraries of contexts. Without a graphics card both use the same software
-/// renderer.
+/// The libraries of contexts. Without a graphics card both use the same software renderer.
 enum class GraphicsLibrary {
   Osmesa,  ///< Mesa's own; removed in Mesa 25.1
   Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card
@@ -28,9 +27,8 @@ std::vector<GraphicsLibrary> builtGraphicsLibraries();
 void setGraphicsLibrary(GraphicsLibrary library);
 
 /// Sets how many extra threads the software renderer uses, for contexts made later; 0 draws on the
-/// calling thread, one context at a time. Changes the
-/// environment of the process: call it before other threads start. A value that the user has set
-/// (LP_NUM_THREADS) stays.
+/// calling thread, one context at a time. Changes the environment of the process: call it before
+/// other threads start. A value that the user has set (LP_NUM_THREADS) stays.
 void setRasterThreads(int count);
 
 class Backend;

@@ -54,7 +54,7 @@ constexpr double kLongestBar = 0.5;
 /// Margin around the models in trimmed pictures, in heights of the trimmed picture.
 constexpr double kTrimMargin = 0.05;
 /// Least width of a trimmed picture, in its heights, for a caption like "t = 12.34 s".
-constexpr double kLeastAspect = 0.45;
+constexpr double kMinAspect = 0.45;
 
 /// Pixels from the top left corner; max is inside the box.
 using PixelBox = Eigen::AlignedBox2i;
@@ -76,7 +76,7 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
   const int height = box.sizes().y() + 1;
   const int margin = static_cast<int>(std::lround(kTrimMargin * height));
   const int width = box.sizes().x() + 1;
-  const int missing = static_cast<int>(std::lround(kLeastAspect * height)) - width;
+  const int missing = static_cast<int>(std::lround(kMinAspect * height)) - width;
   const Eigen::Vector2i growth(std::max(margin, (missing + 1) / 2), margin);
   const PixelBox picture(Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width - 1, size.height - 1));
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);

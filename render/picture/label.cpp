@@ -751,12 +751,12 @@ constexpr double kHalfCapital = 0.36;
 /// ems.
 constexpr double kTickEms = 0.22;
 constexpr double kTickWidthEms = 0.07;
-constexpr int kMostTicks = 6;
+constexpr int kMaxTicks = 6;
 constexpr double kTickValueEms = 0.95;
 /// Length of a colour bar, ems, if there is space.
 constexpr double kColourBarLengthEms = 14;
-/// Its least length, ems. With less space the text is smaller.
-constexpr double kLeastColourBarEms = 5;
+/// Its smallest length, ems. With less space the text is smaller.
+constexpr double kMinColourBarEms = 5;
 
 int pixels(double length) {
   return static_cast<int>(std::lround(length));
@@ -794,7 +794,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
                                 int width) const {
   const int gap = pixels(2 * kSpaceEms * em_);
   const int title = writer_.width(scale.title);
-  const double needed = title + 3 * gap + kLeastColourBarEms * em_;
+  const double needed = title + 3 * gap + kMinColourBarEms * em_;
   if (width < needed && em_ > 1) {
     const ScaleDrawer smaller(std::max(1, static_cast<int>(width / needed * em_)), text_);
     return smaller.drawColourBar(surface, scale, x, y, width);
@@ -817,7 +817,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
 /// With as many ticks as values fit.
 Axis ScaleDrawer::axisThatFits(const ColourScale& scale, int length) const {
   Axis axis;
-  for (int most = kMostTicks; most >= 2; --most) {
+  for (int most = kMaxTicks; most >= 2; --most) {
     axis = makeAxisWithin(scale.least, scale.most, most);
     int widest = 0;
     for (const std::string& text : axis.texts) widest = std::max(widest, writer_.width(text));
@@ -871,10 +871,10 @@ void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int le
 }
 
 // ------------------------------------------------------------------------------------------------
-// Steps are 1, 2 or 5 times a power of ten: the least with at most `mostTicks` ticks in the range.
-// Ticks are multiples k s of the step s, computed from k each time, so errors do not accumulate.
-// Numbers have as many decimals as the step. Ends below a thousandth, or of a million and more,
-// give numbers such as 5e-6, with as many digits as the step needs.
+// Steps are 1, 2 or 5 times a power of ten: the smallest with at most `maxTicks` ticks in the
+// range. Ticks are multiples k s of the step s, computed from k each time, so errors do not
+// accumulate. Numbers have as many decimals as the step. Ends below a thousandth, or of a million
+// and more, give numbers such as 5e-6, with as many digits as the step needs.
 //
 // A range below 1e-5 of its values would give ticks with equal numbers. It is drawn as a constant
 // in the middle of an axis as wide as the value.
@@ -888,7 +888,7 @@ constexpr double kUnreadable = 1e-5;
 /// Margin above and below the curves, as a fraction of the range.
 constexpr double kRoom = 0.05;
 
-/// The least of 1, 2 and 5 times a power of ten that is >= the step.
+/// The smallest of 1, 2 and 5 times a power of ten that is >= the step.
 double roundStep(double step) {
   const double power = std::pow(10, std::floor(std::log10(step)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -898,8 +898,8 @@ double roundStep(double step) {
 }
 
 /// Powers of ten between which numbers of an axis have decimals instead of an exponent.
-constexpr int kLeastPower = -3;
-constexpr int kMostPower = 6;
+constexpr int kMinPower = -3;
+constexpr int kMaxPower = 6;
 
 /// The power of ten of the first digit of a positive value.
 int powerOf(double value) {
@@ -910,7 +910,7 @@ int powerOf(double value) {
 std::string numberText(double value, int decimals, int power) {
   const double size = std::abs(value);
   std::string text = "0";
-  if (power >= kLeastPower && power < kMostPower) {
+  if (power >= kMinPower && power < kMaxPower) {
     text = fmt::format("{:.{}f}", size, std::max(0, decimals));
   } else if (size > 0) {
     const int own = powerOf(size);
@@ -927,7 +927,7 @@ double Axis::shareOf(double value) const {
   return (value - low) / (high - low);
 }
 
-Axis makeAxis(const std::vector<double>& values, int mostTicks) {
+Axis makeAxis(const std::vector<double>& values, int maxTicks) {
   const auto [least, largest] = std::ranges::minmax_element(values);
   Axis axis{*least, *largest, false, {}, {}};
   const double size = std::max(std::abs(axis.low), std::abs(axis.high));
@@ -940,13 +940,13 @@ Axis makeAxis(const std::vector<double>& values, int mostTicks) {
     axis.low -= room;
     axis.high += room;
   }
-  return makeAxisWithin(axis.low, axis.high, mostTicks);
+  return makeAxisWithin(axis.low, axis.high, maxTicks);
 }
 
-Axis makeAxisWithin(double low, double high, int mostTicks) {
+Axis makeAxisWithin(double low, double high, int maxTicks) {
   Axis axis{low, high, false, {}, {}};
   if (high <= low) return axis;
-  const double step = roundStep((high - low) / mostTicks);
+  const double step = roundStep((high - low) / maxTicks);
   const int decimals = static_cast<int>(std::ceil(-std::log10(step) - kConstant));
   const int power = powerOf(std::max(std::abs(low), std::abs(high)));
   for (double k = std::ceil(low / step - kConstant); k * step <= high * (1 + kConstant); ++k) {
@@ -956,7 +956,7 @@ Axis makeAxisWithin(double low, double high, int mostTicks) {
   return axis;
 }
 
-Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks) {
+Axis makeLogarithmicAxis(const std::vector<double>& values, int maxTicks) {
   double least = INFINITY, largest = 0;
   for (const double value : values) {
     if (value > 0) least = std::min(least, value);
@@ -973,7 +973,7 @@ Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks) {
     axis.high *= 10;
   }
   const int decades = static_cast<int>(std::lround(std::log10(axis.high / axis.low)));
-  const int stride = (decades + mostTicks - 1) / mostTicks;
+  const int stride = (decades + maxTicks - 1) / maxTicks;
   const int lowest = static_cast<int>(std::lround(std::log10(axis.low)));
   for (int k = 0; k <= decades; k += stride) {
     axis.ticks.push_back(axis.low * std::pow(10, k));

@@ -81,8 +81,7 @@ struct ShapedLine {
 /// which fontconfig finds.
 class LabelWriter {
  public:
-  /// pixelsPerEm: size of the text, >= 1. Throws OutputError if the font cannot be
-  /// read.
+  /// pixelsPerEm: size of the text, >= 1. Throws OutputError if the font cannot be read.
   explicit LabelWriter(int pixelsPerEm, const std::filesystem::path& font = findFont());
   ~LabelWriter();
   LabelWriter(const LabelWriter&) = delete;
@@ -208,17 +207,17 @@ struct Axis {
   double shareOf(double value) const;
 };
 
-/// An axis for one or more finite values, with at most `mostTicks` ticks at multiples of 1, 2 or 5
+/// An axis for one or more finite values, with at most `maxTicks` ticks at multiples of 1, 2 or 5
 /// times a power of ten. A constant (to 1e-5 of itself) is in its middle.
-Axis makeAxis(const std::vector<double>& values, int mostTicks);
+Axis makeAxis(const std::vector<double>& values, int maxTicks);
 
 /// An axis with this range, high >= low, with such ticks in it. Without ticks if low and high are
 /// equal.
-Axis makeAxisWithin(double low, double high, int mostTicks);
+Axis makeAxisWithin(double low, double high, int maxTicks);
 
 /// The same with ticks at powers of ten, for values > 0. Without values > 0, an axis from 0.1 to
 /// 10.
-Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks);
+Axis makeLogarithmicAxis(const std::vector<double>& values, int maxTicks);
 
 // ------------------------------------------------------------------------------------------------
 // Scales in pictures: the meaning of colours, and lengths.
@@ -242,8 +241,7 @@ struct LegendEntry {
   std::string text;  ///< UTF-8, a few words
 };
 
-/// Position of a value on the scale, [0, 1] within it.
-/// 0 if the scale has no range.
+/// Position of a value on the scale, [0, 1] within it. 0 if the scale has no range.
 double shareOf(const ColourScale& scale, double value);
 
 /// A unit in the text of figures: "µm" for um, else its name.

@@ -43,7 +43,7 @@ constexpr double kLineLift = 1;
 /// Width of the steps in which a shadow fades out, in heights of the picture, and their largest
 /// number. Such steps are invisible.
 constexpr double kShadowStep = 0.004;
-constexpr int kMostShadowSteps = 10;
+constexpr int kMaxShadowSteps = 10;
 
 /// Number of directions in which the corner of a shadow is widened.
 constexpr int kShadowDirections = 12;
@@ -372,7 +372,7 @@ void GeometryBuilder::drawShadow(const Poses& poses, const std::vector<BrickColo
   }
   const double width = style_.shadowSoftness * highest / pictureHeight;
   const int steps =
-      static_cast<int>(std::clamp<double>(std::ceil(width / kShadowStep), 1, kMostShadowSteps));
+      static_cast<int>(std::clamp<double>(std::ceil(width / kShadowStep), 1, kMaxShadowSteps));
   for (int step = 1; step <= steps; ++step) {
     const double softness = style_.shadowSoftness * (1 - (step - 0.5) / steps);
     const double part = static_cast<double>(step) / steps;
@@ -544,14 +544,14 @@ Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces
       made.walls.push_back(std::move(wall));
     }
     radii += made.radius;
-    mostRadius_ = std::max(mostRadius_, made.radius);
+    maxRadius_ = std::max(maxRadius_, made.radius);
   }
   reach_ = kOcclusionReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
   std::ranges::stable_sort(occluders_, {}, [](const Occluder& o) { return o.centre.x(); });
 }
 
 double Occluders::occlusionAt(int brick, const Vector3& point, const Vector3& normal) const {
-  const double farthest = reach_ + mostRadius_;
+  const double farthest = reach_ + maxRadius_;
   std::vector<Vector3> above;
   double open = 1;
   auto at = std::ranges::lower_bound(occluders_, point.x() - farthest, {},

@@ -16,8 +16,7 @@
 namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
-// Ambient occlusion: the fraction of ambient light on a face that other bricks
-// block.
+// Ambient occlusion: the fraction of ambient light on a face that other bricks block.
 
 /// Bricks that block light, in one state of a run.
 class Occluders {
@@ -50,7 +49,7 @@ class Occluders {
   double occlusionAt(int brick, const Vector3& point, const Vector3& normal) const;
 
   std::vector<Occluder> occluders_;  ///< by the x of their centres
-  double mostRadius_ = 0;
+  double maxRadius_ = 0;
   double reach_ = 0;  ///< bricks at larger distances block no light, metres
 };
 

@@ -84,7 +84,7 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (settings.dotsPerInch.has_value()) {
-    // Rounded up to whole numbers, because journals check the least resolution: 300 dots per inch
+    // Rounded up to whole numbers, because journals check the minimum resolution: 300 dots per inch
     // are 11812 per metre.
     constexpr double kRounding = 1e-6;
     const auto dotsPerMetre =

@@ -21,8 +21,7 @@ struct PngSettings {
 
 /// Writes a picture as RGB if it is opaque, else as RGBA, marked as sRGB. The file appears under
 /// its name when it is complete. Throws OutputError with the path and the reason (disk full, no
-/// permission). The frame has at least one pixel. Level 6 takes about twice as long
-/// as level 3.
+/// permission). The frame has at least one pixel. Level 6 takes about twice as long as level 3.
 void writePng(const Frame& frame, const std::filesystem::path& path,
               const PngSettings& settings = {});
 

@@ -12,7 +12,7 @@ namespace {
 /// Steps of a corner in a sample, as in Mesa's llvmpipe.
 constexpr double kSteps = 256;
 
-/// The least whole number >= value, at least low and at most high.
+/// The smallest whole number >= value, at least low and at most high.
 int ceilWithin(double value, int low, int high) {
   return static_cast<int>(std::clamp(std::ceil(value), double(low), double(high)));
 }

@@ -432,7 +432,7 @@ namespace {
 
 /// Em of the text, in heights of the frame, and the smallest legible em, pixels.
 constexpr double kTextShare = 0.034;
-constexpr int kLeastText = 9;
+constexpr int kMinText = 9;
 /// Heights in ems: of a text line with its baseline, of a line of scales, of the progress bar with
 /// the space around it, and of the bar only.
 constexpr double kStripLineEms = 1.5;
@@ -461,14 +461,14 @@ Colour between(Colour from, Colour to, double share) {
 
 /// Text size at which the widest line fits.
 int textSize(FrameSize whole, std::span<const std::string> lines) {
-  const int requested = std::max(kLeastText, rounded(kTextShare * whole.height));
+  const int requested = std::max(kMinText, rounded(kTextShare * whole.height));
   const LabelWriter writer(requested);
   double fitting = requested;
   for (const std::string& line : lines) {
     if (line.empty()) continue;
     fitting = std::min(fitting, requested * kUsedWidth * whole.width / writer.width(line));
   }
-  return std::max(kLeastText, static_cast<int>(fitting));
+  return std::max(kMinText, static_cast<int>(fitting));
 }
 
 }  // namespace
@@ -567,7 +567,7 @@ namespace {
 constexpr double kCongruence = 1e-4;
 
 /// Maximum number of distinct colours of shapes.
-constexpr int kMostKinds = 7;
+constexpr int kMaxKinds = 7;
 
 /// A brick is at its start or its target within this fraction of a tile's mean edge.
 constexpr double kArrival = 0.01;
@@ -692,7 +692,7 @@ std::vector<int> shapeKinds(const std::vector<brick::Brick>& bricks) {
     corners.push_back(brick.bottom.size());
   }
   std::vector<int> kinds = numbered(signatures, alike);
-  const bool many = std::any_of(kinds.begin(), kinds.end(), [](int k) { return k >= kMostKinds; });
+  const bool many = std::any_of(kinds.begin(), kinds.end(), [](int k) { return k >= kMaxKinds; });
   return many ? numbered(corners, std::equal_to<>()) : kinds;
 }
 

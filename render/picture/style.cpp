@@ -232,7 +232,7 @@ Colour withLuminance(Colour colour, double requested) {
   return {change(colour.red), change(colour.green), change(colour.blue), colour.alpha};
 }
 
-/// The factors of a lit face's luminance in colours of a scale: the least (in creases) and the
+/// The factors of a lit face's luminance in colours of a scale: the smallest (in creases) and the
 /// largest.
 constexpr double kDimmed = 0.52;
 constexpr double kBrightened = 1.13;
@@ -268,12 +268,12 @@ Colour readableText(Colour text, Colour background) {
 
 Colour outlineOn(Colour edge, std::span<const Colour> bricks) {
   constexpr Colour kPale = {205, 211, 220};
-  const auto leastContrast = [bricks](Colour outline) {
+  const auto minContrast = [bricks](Colour outline) {
     double least = std::numeric_limits<double>::infinity();
     for (const Colour brick : bricks) least = std::min(least, contrastOf(outline, brick));
     return least;
   };
-  return leastContrast(kPale) > leastContrast(edge) ? kPale : edge;
+  return minContrast(kPale) > minContrast(edge) ? kPale : edge;
 }
 
 Colour readableHue(Colour colour, Colour background) {

@@ -438,7 +438,7 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
 //   curves; if there is none, in lines between title and diagram.
 //
 // The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). A
-// logarithmic axis begins at the least value that is not rounding, and at most six decades below
+// logarithmic axis begins at the smallest value that is not rounding, and at most six decades below
 // the largest value of a curve: with more, a motion over two decades would be a line at the top.
 // Lower parts of curves are on the lower border. If all values are rounding, all are shown and the
 // title says so. The horizontal axis follows from the abscissa; it begins and ends with the curves.
@@ -461,8 +461,8 @@ constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26},  {61, 139, 
 /// Above and below a diagram, em.
 constexpr double kTitleEms = 2;
 constexpr double kBelowEms = 4;
-/// The least height of a diagram, em.
-constexpr double kLeastEms = 8;
+/// The smallest height of a diagram, em.
+constexpr double kMinEms = 8;
 // Approximate number of ticks; makeAxis takes round values.
 constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
@@ -507,7 +507,7 @@ struct Diagram {
   std::string across;  ///< title of the abscissa
   bool isLogarithmic = false;
   bool isOfLoads = false;  ///< see PlottedRun::isLoadCurve
-  double rounding = 0;     ///< least of its runs, see PlottedRun
+  double rounding = 0;     ///< smallest of its runs, see PlottedRun
   std::vector<PlotLine> lines;
 
   /// Whether all values are rounding.
@@ -651,8 +651,8 @@ struct DiagramAxes {
 namespace {
 
 /// Curves begin and end at the borders.
-picture::Axis makeAcrossAxis(const std::vector<double>& values, int mostTicks) {
-  picture::Axis axis = picture::makeAxis(values, mostTicks);
+picture::Axis makeAcrossAxis(const std::vector<double>& values, int maxTicks) {
+  picture::Axis axis = picture::makeAxis(values, maxTicks);
   const auto [least, largest] = std::ranges::minmax_element(values);
   if (*least < *largest) {
     axis.low = *least;
@@ -662,13 +662,13 @@ picture::Axis makeAcrossAxis(const std::vector<double>& values, int mostTicks) {
 }
 
 /// All curves of a diagram share one axis; missing values are omitted.
-picture::Axis makeUpAxis(const Diagram& diagram, int mostTicks) {
+picture::Axis makeUpAxis(const Diagram& diagram, int maxTicks) {
   std::vector<double> values;
   for (const PlotLine& line : diagram.lines) {
     std::ranges::copy_if(line.values, std::back_inserter(values),
                          [](double value) { return std::isfinite(value); });
   }
-  if (!diagram.isLogarithmic) return picture::makeAxis(values, mostTicks);
+  if (!diagram.isLogarithmic) return picture::makeAxis(values, maxTicks);
   if (!diagram.isRounding()) {
     double least = std::numeric_limits<double>::infinity();
     for (const PlotLine& line : diagram.lines) {
@@ -680,7 +680,7 @@ picture::Axis makeUpAxis(const Diagram& diagram, int mostTicks) {
     }
     for (double& value : values) value = value > 0 ? std::max(value, least) : value;
   }
-  return picture::makeLogarithmicAxis(values, mostTicks);
+  return picture::makeLogarithmicAxis(values, maxTicks);
 }
 
 /// Whether the axis, cut to the ends of its curves, still has this tick.
@@ -1024,8 +1024,8 @@ double PlotSheet::height(double width, int columns) const {
   return rows(columns) * layOut(diagrams, em_, width, columns).down;
 }
 
-double PlotSheet::leastHeight(int columns) const {
-  return rows(columns) * (kLeastEms + kTitleEms + kBelowEms) * em_;
+double PlotSheet::minHeight(int columns) const {
+  return rows(columns) * (kMinEms + kTitleEms + kBelowEms) * em_;
 }
 
 std::vector<DiagramAxes> PlotSheet::axes(const picture::PageBox& box, int columns) const {

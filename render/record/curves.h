@@ -79,7 +79,7 @@ class PlotSheet {
   double height(double width, int columns) const;
 
   /// Least height at which curves can be read, pixels.
-  double leastHeight(int columns) const;
+  double minHeight(int columns) const;
 
   /// Draws all diagrams into a box, as parts whose names begin with `prefix`. Without a height the
   /// box is as high as height(). Throws OutputError if the font is missing.
@@ -102,10 +102,10 @@ class PlotSheet {
   picture::Colour background_;
 };
 
-/// The curves with these names: of groups ("target_error", "opening") or of columns without
-/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves. Curves of one
-/// group are in one group, in the order of the names.
-/// Throws InputError for an unknown name, with the option and the list of known names.
+/// The curves with these names: of groups ("target_error", "opening") or of columns without their
+/// unit ("opening_mean"); "theta" is the mean opening. No names: all curves. Curves of one group
+/// are in one group, in the order of the names. Throws InputError for an unknown name, with the
+/// option and the list of known names.
 std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::CurveGroup>& groups,
                                                  const std::vector<std::string>& names,
                                                  const char* option = "--curves");
@@ -169,8 +169,8 @@ using CurvesObserver = std::function<void(std::size_t run, const trajectory::Run
                                           const std::vector<double>& progress)>;
 
 /// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
-/// first model. Reads each trajectory once. Throws
-/// InputError if a run lacks the quantity of the axis or a selected curve.
+/// first model. Reads each trajectory once. Throws InputError if a run lacks the quantity of the
+/// axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,
                                     const CurvesObserver& observer = {});

@@ -5,7 +5,7 @@
 //     1.6 em for letter and title, then the panel, then a gap
 //
 // The height of a row is that of its highest pictures. Plots fill this height, but are never lower
-// than leastHeight(). A row without pictures is as high as its highest plot. A height in the page
+// than minHeight(). A row without pictures is as high as its highest plot. A height in the page
 // file has priority. Pictures are in the middle of their panel. A plot without a title has its
 // letter next to the title of its first diagram, so it begins higher.
 //
@@ -121,7 +121,7 @@ class PlotPanel : public PanelContent {
 
   double fit(double width, std::optional<double> height) override {
     columns_ = width < kTwoColumnsEms * em_ ? 1 : PlotSheet::kColumns;
-    return height ? std::max(*height, sheet_->leastHeight(columns_))
+    return height ? std::max(*height, sheet_->minHeight(columns_))
                   : sheet_->height(width, columns_);
   }
 

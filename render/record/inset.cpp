@@ -32,9 +32,9 @@ namespace kirireel::record {
 namespace {
 
 constexpr const char* kOption = "--inset";
-/// Size of the text in print, points, and its least size, pixels.
+/// Size of the text in print, points, and its smallest size, pixels.
 constexpr double kPoints = 6;
-constexpr int kLeastEm = 9;
+constexpr int kMinEm = 9;
 /// Sides of the inset, and its distance from the borders of the picture; em.
 constexpr double kWidthEms = 20;
 constexpr double kHeightEms = 14;
@@ -59,7 +59,7 @@ double pixelsPerInch(const PictureSettings& settings) {
 
 int emOf(const PictureSettings& settings) {
   const double pixels = kPoints / picture::kPointsPerInch * pixelsPerInch(settings);
-  return std::max(kLeastEm, static_cast<int>(std::ceil(pixels)));
+  return std::max(kMinEm, static_cast<int>(std::ceil(pixels)));
 }
 
 /// The corners of pictures of this size for an inset, in order of preference.
@@ -77,13 +77,13 @@ std::array<picture::PageBox, 4> cornersOf(picture::FrameSize size, int em) {
 void requireRoom(const PictureSettings& settings) {
   const auto [width, height] = settings.size;
   const double em = emOf(settings);
-  const double leastWidth = kWidthEms * em / kLargestWidth,
-               leastHeight = kHeightEms * em / kLargestHeight;
-  if (width >= leastWidth && height >= leastHeight) return;
+  const double minWidth = kWidthEms * em / kLargestWidth,
+               minHeight = kHeightEms * em / kLargestHeight;
+  if (width >= minWidth && height >= minHeight) return;
   throw InputError(fmt::format(
       "error: {} needs pictures of at least {:.0f} x {:.0f} pixels, here they have {} x {}; give a "
       "larger --size or remove {}",
-      kOption, std::ceil(leastWidth), std::ceil(leastHeight), width, height, kOption));
+      kOption, std::ceil(minWidth), std::ceil(minHeight), width, height, kOption));
 }
 
 /// Draws the faces of all bricks in black.

@@ -77,8 +77,7 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
 // ------------------------------------------------------------------------------------------------
 // A recorded run as a source of states to be painted.
 
-/// The states of a run at any time. Keeps the samples read last, so nearby times are
-/// fast.
+/// The states of a run at any time. Keeps the samples read last, so nearby times are fast.
 class Replay {
  public:
   /// The run must outlive the replay.

@@ -48,7 +48,7 @@ namespace {
 /// Steps that take less are not interrupted from within, so their checkpoint loses nothing.
 constexpr std::chrono::milliseconds kPatience{100};
 /// Least duration of the motion in a video at an even pace, without held frames, seconds.
-constexpr double kLeastMotion = 0.1;
+constexpr double kMinMotion = 0.1;
 
 /// `meaning`: for the message, as in "a factor".
 void requireWithin(double value, double least, double most, const char* option,
@@ -97,18 +97,18 @@ void requireValidSettings(const PictureSettings& settings) {
   }
   requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
   requireWithin(settings.length, 0.1, 36000, "--length", "seconds");
-  if (settings.pace == Pace::Even && settings.length < 2 * settings.heldSeconds() + kLeastMotion) {
+  if (settings.pace == Pace::Even && settings.length < 2 * settings.heldSeconds() + kMinMotion) {
     throw InputError(fmt::format(
         "error: --length {:g} leaves no time for motion between --hold {:g} at the start and the "
         "end; give --length of {:g} or more, or a shorter --hold",
-        settings.length, settings.heldSeconds(), 2 * settings.heldSeconds() + kLeastMotion));
+        settings.length, settings.heldSeconds(), 2 * settings.heldSeconds() + kMinMotion));
   }
 }
 
 /// Painters beyond these wait for the encoder.
-constexpr int kMostPainters = 16;
+constexpr int kMaxPainters = 16;
 /// The maximum in Mesa.
-constexpr int kMostRasterThreads = 16;
+constexpr int kMaxRasterThreads = 16;
 
 /// Whether the run needs trajectory.h5. Pictures, meshes and exports are made from it.
 bool keepsTrajectory(const RecordSettings& settings) {
@@ -314,7 +314,7 @@ void prepareGraphics(const PictureSettings& settings) {
   // frame.
   if (settings.paintsFrames()) {
     const int painters = settings.painters();
-    picture::setRasterThreads(painters > 1 ? std::min(painters, kMostRasterThreads) : 0);
+    picture::setRasterThreads(painters > 1 ? std::min(painters, kMaxRasterThreads) : 0);
   }
   if (settings.paints()) const picture::Context probe;
 }
@@ -432,7 +432,7 @@ bool isOutput(const std::string& name, const RecordSettings& settings) {
 
 int PictureSettings::painters() const {
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  return painterCount.value_or(std::min(cores, kMostPainters));
+  return painterCount.value_or(std::min(cores, kMaxPainters));
 }
 
 RunSummary summaryOf(const run::DeploymentResult& result, double endTime) {

@@ -505,8 +505,8 @@ namespace {
 constexpr double kTitleSize = 0.07;      // em, in heights of the picture
 constexpr double kSubtitleSize = 0.045;  // the same
 constexpr double kCardLineEms = 1.35;    // from line to line
-constexpr double kMostWidth = 0.9;       // of the picture, for text
-constexpr double kMostHeight = 0.9;
+constexpr double kMaxWidth = 0.9;        // of the picture, for text
+constexpr double kMaxHeight = 0.9;
 
 /// A line of a card.
 struct CardLine {
@@ -534,7 +534,7 @@ void shrinkToFit(std::vector<CardLine>& lines, picture::FrameSize size) {
     height += kCardLineEms * line.em;
   }
   const double share =
-      std::min({1.0, kMostWidth * size.width / widest, kMostHeight * size.height / height});
+      std::min({1.0, kMaxWidth * size.width / widest, kMaxHeight * size.height / height});
   for (CardLine& line : lines) line.em *= share;
 }
 
@@ -548,8 +548,8 @@ void requireTitle(const Title& title) {
 picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::Colour background,
                          picture::Colour ink) {
   std::vector<CardLine> lines;
-  append(lines, title.title, kTitleSize * size.height, kMostWidth * size.width);
-  append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
+  append(lines, title.title, kTitleSize * size.height, kMaxWidth * size.width);
+  append(lines, title.subtitle, kSubtitleSize * size.height, kMaxWidth * size.width);
   shrinkToFit(lines, size);
   double height = 0;
   for (const CardLine& line : lines) height += kCardLineEms * line.em;
@@ -631,7 +631,7 @@ void PanelSheet::paintAll() {
 /// Of pictures painted at the requested size. Each of several rows fills its cells. Cells are as
 /// wide as the widest part, and at most three quarters of that high.
 std::vector<PanelSheet::Cut> PanelSheet::findCuts() {
-  constexpr double kMostAspect = 0.75;
+  constexpr double kMaxAspect = 0.75;
   std::vector<Cut> cuts;
   std::size_t first = 0;
   int widest = 0;
@@ -647,7 +647,7 @@ std::vector<PanelSheet::Cut> PanelSheet::findCuts() {
   for (Cut& cut : cuts) {
     const picture::FrameSize size = cut.part.size;
     cut.scale =
-        std::min(static_cast<double>(widest) / size.width, kMostAspect * widest / size.height);
+        std::min(static_cast<double>(widest) / size.width, kMaxAspect * widest / size.height);
     cut.part = cut.part.scaled(cut.scale);
   }
   return cuts;

@@ -30,8 +30,7 @@ std::string summaryJson(const scene::Scene& scene, const RecordSettings& setting
 /// summary.json that do not follow from its poses.
 std::string findingsText(const scene::Scene& scene, const RunSummary& summary);
 
-/// The settings of a run as JSON, equal in trajectory.h5 and summary.json. Ends with
-/// a newline.
+/// The settings of a run as JSON, equal in trajectory.h5 and summary.json. Ends with a newline.
 std::string settingsText(const scene::Scene& scene, const RecordSettings& settings);
 
 // ------------------------------------------------------------------------------------------------

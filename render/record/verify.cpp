@@ -210,24 +210,24 @@ class Verifier {
     StepReport took;
     double gapSum = 0;
     double largestGap = 0;
-    double leastError = std::numeric_limits<double>::infinity();
+    double smallestError = std::numeric_limits<double>::infinity();
     for (const trajectory::StepRecord& step : run.steps()) {
       took += step.took;
       gapSum += step.jointGapMean;
       largestGap = std::max(largestGap, step.jointGap);
-      leastError = std::min(leastError, step.targetError);
+      smallestError = std::min(smallestError, step.targetError);
     }
     for (std::size_t i = 0; i < run.times().size(); ++i) {
       const trajectory::Sample sample = run.sample(i);
       largestGap = std::max(largestGap, sample.jointGap);
-      leastError = std::min(leastError, sample.targetError);
+      smallestError = std::min(smallestError, sample.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
     compareAccuracy(accuracy, &run::Accuracy::jointGapMean,
                     gapSum / static_cast<double>(run.steps().size()));
     compareAccuracy(accuracy, &run::Accuracy::jointGapMax, largestGap);
     if (run.subject().model.target)
-      compareAccuracy(accuracy, &run::Accuracy::targetErrorMin, leastError);
+      compareAccuracy(accuracy, &run::Accuracy::targetErrorMin, smallestError);
     // Figures of steps without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;

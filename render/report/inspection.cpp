@@ -48,11 +48,11 @@ StateInspection inspectState(const scene::Scene& scene, const std::vector<model:
   StateInspection state;
   state.jointGap = model::largestJointGap(model.joints, tiles);
   state.unevenness = trajectory::largestUnevenness(tiles);
-  state.leastCornerSine = trajectory::leastCornerSine(tiles);
+  state.smallestCornerSine = trajectory::smallestCornerSine(tiles);
   // Overlaps below a millionth of a tile are rounding of coordinates.
   state.overlaps = trajectory::tileOverlaps(tiles, kOverlap * model::tileSize(model));
   state.seesAllPairs =
-      static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
+      static_cast<long>(state.overlaps.size()) < trajectory::maxPairs(tiles.size());
   // Planar degrees of freedom exist only for flat states.
   if (model::sheetFrame(tiles, model::flatTolerance(model))) {
     state.inPlane =
@@ -76,7 +76,7 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
       "({}: least kept {}{:.2g}, largest dropped {}{:.2g}{})\n",
       where, counted(mobility.freedoms, "degree"), mobility.redundant, mobility.equations,
       mobility.areBounds ? "bounds of singular values" : "singular values",
-      mobility.areBounds ? ">= " : "", mobility.leastKept, mobility.areBounds ? "<= " : "",
+      mobility.areBounds ? ">= " : "", mobility.smallestKept, mobility.areBounds ? "<= " : "",
       mobility.largestDropped, hasMisfit ? ": the misfit of its tiles, in tiles" : "");
 }
 
@@ -86,7 +86,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
   std::string text =
       fmt::format("{}: joints open by {} at most, tiles flat to {}, {}, {}{} overlapping pairs\n",
                   name, lengthText(state.jointGap, unit), lengthText(state.unevenness, unit),
-                  state.leastCornerSine > 0 ? "convex" : "not convex",
+                  state.smallestCornerSine > 0 ? "convex" : "not convex",
                   state.seesAllPairs ? "" : "at least ", state.overlaps.size());
   // Only the five deepest of possibly thousands.
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
@@ -110,7 +110,7 @@ Json mobilityJson(const trajectory::Mobility& mobility) {
           {"equations", mobility.equations},
           {"rank", mobility.rank},
           {"redundant", mobility.redundant},
-          {"least_singular_value_kept", mobility.leastKept},
+          {"least_singular_value_kept", mobility.smallestKept},
           {"largest_singular_value_dropped", mobility.largestDropped},
           {"singular_values_are_bounds", mobility.areBounds}};
 }
@@ -123,7 +123,7 @@ Json stateJson(const StateInspection& state) {
   }
   Json json = {{"joint_gap_max", state.jointGap},
                {"unevenness_max", state.unevenness},
-               {"corner_sine_min", state.leastCornerSine},
+               {"corner_sine_min", state.smallestCornerSine},
                {"overlaps", overlaps}};
   json["mobility"]["plane"] = state.inPlane ? mobilityJson(*state.inPlane) : Json();
   json["mobility"]["space"] = mobilityJson(state.inSpace);

@@ -17,12 +17,12 @@ namespace kirireel::report {
 
 /// One state of the sheet.
 struct StateInspection {
-  double jointGap = 0;         ///< largest gap, metres
-  double unevenness = 0;       ///< largest distance of a vertex from its tile's plane, metres
-  double leastCornerSine = 1;  ///< > 0 if all tiles are convex
+  double jointGap = 0;            ///< largest gap, metres
+  double unevenness = 0;          ///< largest distance of a vertex from its tile's plane, metres
+  double smallestCornerSine = 1;  ///< > 0 if all tiles are convex
   std::vector<trajectory::TileOverlap>
       overlaps;              ///< deeper than a millionth of a tile, deepest first
-  bool seesAllPairs = true;  ///< false: too many pairs, see mostPairs()
+  bool seesAllPairs = true;  ///< false: too many pairs, see maxPairs()
   std::optional<trajectory::Mobility> inPlane;  ///< of flat states
   trajectory::Mobility inSpace;                 ///< of the mechanism in space
 };
@@ -30,7 +30,7 @@ struct StateInspection {
 /// The necks of a model's joints, metres.
 struct NeckInspection {
   int count = 0;      ///< joints with a neck
-  model::Neck least;  ///< the least of each length
+  model::Neck least;  ///< the smallest of each length
   model::Neck most;   ///< the largest of each
 };
 
@@ -55,7 +55,7 @@ struct Inspection {
   std::optional<StateInspection> target;  ///< at the target, if any
   std::optional<double> shapeChange;      ///< largest change of a length in a tile, metres
   std::optional<double> rigidBound;       ///< lower bound of the error of rigid tiles, metres
-  std::optional<double> assembledError;   ///< least error found with closed joints, metres
+  std::optional<double> assembledError;   ///< smallest error found with closed joints, metres
   scene::Needs needs;                     ///< features that a run would use
 };
 
@@ -76,12 +76,11 @@ std::string inspectionJson(const Inspection& inspection);
 // ------------------------------------------------------------------------------------------------
 // Pictures of a model with the numbers of its tiles and vertices.
 
-/// The model at the start and, if it has one, at the target, side by side. Each
-/// tile's number is in its middle, each vertex's number inside its corner. Corners
-/// that a reader repaired are marked. Throws OutputError if there is no graphics
-/// context or font. `stateSize`: pixels of one state's picture. `ignored`: lines of
-/// a drawing that are not cut. They are drawn over the start, and its hinges have
-/// dots.
+/// The model at the start and, if it has one, at the target, side by side. Each tile's number is in
+/// its middle, each vertex's number inside its corner. Corners that a reader repaired are marked.
+/// Throws OutputError if there is no graphics context or font. `stateSize`: pixels of one state's
+/// picture. `ignored`: lines of a drawing that are not cut. They are drawn over the start, and its
+/// hinges have dots.
 picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
                                const std::optional<std::vector<formats::DrawnPath>>& ignored = {});
 

@@ -437,11 +437,11 @@ namespace {
 /// Pixels. A hundred of them make a page of 3200 x 2400 plus captions.
 constexpr picture::FrameSize kPictureSize = {320, 240};
 
-/// Pictures of a longer series, if not all fit. Ten by ten pictures is kMostContacts.
-constexpr std::size_t kMostOfSeries = 10;
+/// Pictures of a longer series, if not all fit. Ten by ten pictures is kMaxContacts.
+constexpr std::size_t kMaxSeries = 10;
 
 /// Rows may end with series if the ratio of the page's sides is at most this.
-constexpr double kMostStretch = 4;
+constexpr double kMaxStretch = 4;
 
 /// Paints end states, all in one graphics context.
 class EndStatePainter {
@@ -490,7 +490,7 @@ double stretch(std::size_t columns, std::size_t count) {
 /// As many columns as rows, or as near as possible with rows that end with series.
 picture::GridShape shapeFor(std::size_t count, std::size_t series) {
   auto best = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
-  double least = kMostStretch;
+  double least = kMaxStretch;
   for (std::size_t columns = 1; series > 1 && series < count && columns <= count; ++columns) {
     if (series % columns != 0 && columns % series != 0) continue;
     if (stretch(columns, count) >= least) continue;
@@ -519,12 +519,12 @@ std::size_t seriesLength(const std::vector<ContactPicture>& pictures) {
 }  // namespace
 
 ContactLayout layOutContacts(std::size_t count, std::size_t series) {
-  if (count <= kMostContacts) return {chooseEvenly(count, count), shapeFor(count, series)};
+  if (count <= kMaxContacts) return {chooseEvenly(count, count), shapeFor(count, series)};
   if (series == 1 || series == count) {
-    return {chooseEvenly(count, kMostContacts), shapeFor(kMostContacts, 1)};
+    return {chooseEvenly(count, kMaxContacts), shapeFor(kMaxContacts, 1)};
   }
-  const auto across = chooseEvenly(series, kMostOfSeries);
-  const auto down = chooseEvenly(count / series, kMostContacts / across.size());
+  const auto across = chooseEvenly(series, kMaxSeries);
+  const auto down = chooseEvenly(count / series, kMaxContacts / across.size());
   ContactLayout layout;
   for (const std::size_t one : down) {
     for (const std::size_t place : across) layout.chosen.push_back(one * series + place);
@@ -560,7 +560,7 @@ namespace {
 constexpr int kFewestDigits = 3;
 /// Digits of the numbers of a range, as SweepRange::at() writes them. With this number, texts stay
 /// unchanged.
-constexpr int kMostDigits = 9;
+constexpr int kMaxDigits = 9;
 
 /// Whole numbers and texts stay as they are.
 std::string rounded(const std::string& text, int digits) {
@@ -578,7 +578,7 @@ std::string rounded(const std::string& text, int digits) {
 /// Different values get different texts.
 std::vector<std::string> shortened(const std::vector<std::string>& values) {
   const std::set<std::string> distinct(values.begin(), values.end());
-  for (int digits = kFewestDigits; digits < kMostDigits; ++digits) {
+  for (int digits = kFewestDigits; digits < kMaxDigits; ++digits) {
     std::set<std::string> texts;
     for (const std::string& value : distinct) texts.insert(rounded(value, digits));
     // Two values have the same text, so one more digit is needed.

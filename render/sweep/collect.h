@@ -145,7 +145,7 @@ struct ContactPicture {
 };
 
 /// Maximum number of pictures on a page.
-inline constexpr std::size_t kMostContacts = 100;
+inline constexpr std::size_t kMaxContacts = 100;
 
 /// Pictures on a page, row by row, and their positions.
 struct ContactLayout {
@@ -155,7 +155,7 @@ struct ContactLayout {
 
 /// If pictures come in series of `series` (which differ only in the last parameter; 1: no
 /// series), rows end with series: equal values are in one column. The page has about as many
-/// rows as columns. If there are more than kMostContacts pictures, series and pictures in
+/// rows as columns. If there are more than kMaxContacts pictures, series and pictures in
 /// each are sampled evenly, including the first and the last. count: a multiple of series, >
 /// 0.
 ContactLayout layOutContacts(std::size_t count, std::size_t series);

@@ -128,12 +128,12 @@ SweepPlan SweepPlan::latinHypercube(const std::vector<SweepRangeAxis>& axes, std
 
 std::uint64_t SweepPlan::size() const {
   if (axes_.empty()) return rows_.size();
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+  constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max();
   // The product is capped where it would overflow.
   std::uint64_t size = 1;
   for (const auto& values : axes_) {
     if (values.empty()) return 0;
-    size = size > kMost / values.size() ? kMost : size * values.size();
+    size = size > kMax / values.size() ? kMax : size * values.size();
   }
   return size;
 }
@@ -159,7 +159,7 @@ std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
 
 namespace {
 
-constexpr std::size_t kMostValues = 100000;  // of all parameters together; they are in memory
+constexpr std::size_t kMaxValues = 100000;  // of all parameters together; they are in memory
 constexpr double kLargest = 1e300;
 
 const std::map<std::string, SweepKeep>& keepWords() {
@@ -231,7 +231,7 @@ void readRangeKey(const scene::TomlEntry& entry, RangeTable& table) {
     table.range.whole = *entry.value.truth();
   } else if (entry.key == "count") {
     // At least two: both ends.
-    table.count = readCount(entry.value, 2, kMostValues);
+    table.count = readCount(entry.value, 2, kMaxValues);
   } else {
     scene::refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
   }
@@ -253,12 +253,12 @@ RangeTable readRange(const scene::TomlValue& value) {
 
 /// Counts the values of all parameters; a grid has many more runs.
 void requireFewValues(std::size_t count, const FileLocation& where) {
-  if (count <= kMostValues) return;
+  if (count <= kMaxValues) return;
   throw inputErrorAt(
       where,
       fmt::format(
           "the parameters have more than {} values together; vary fewer, or make several sweeps",
-          kMostValues));
+          kMaxValues));
 }
 
 /// The values of a key in [grid] or [list]: a list of values, or a range with a count.
@@ -320,7 +320,7 @@ void readLatinHypercube(const scene::TomlEntry& entry, Sweep& sweep) {
   std::uint64_t seed = 0;
   for (const scene::TomlEntry& key : requireTable(entry)) {
     if (key.key == "runs") {
-      runs = readCount(key.value, 1, kMostValues);
+      runs = readCount(key.value, 1, kMaxValues);
     } else if (key.key == "random_seed") {
       // Whole numbers of TOML are doubles here; below 1e15 they are exact.
       seed = readCount(key.value, 0, 1e15);

@@ -73,7 +73,7 @@ CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
   gap.second = {b.tile, b.vertex, true};
   const Vector2 from = directionFrom(tiles, gap.first);
   const Vector2 to = directionFrom(tiles, gap.second);
-  gap.angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+  gap.angle = std::atan2(crossZ(from, to), from.dot(to));
   if (gap.angle < -kClosedAngle) gap.angle += 2 * std::numbers::pi;
   gap.angle = std::max(gap.angle, 0.0);
   return gap;
@@ -394,11 +394,6 @@ struct Misfit {
   NeckShape shape;  ///< of the neck, or of the widest of several possible ones
 };
 
-/// The z of the cross product.
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// Position of a tile at a joint: the gap's bisector is up (y), the tile on the right (x > 0). Its
 /// two edges are straight lines, moved inwards by half the kerf.
 struct Wedge {
@@ -538,7 +533,7 @@ class OutlineMaker {
     const int vertex = vertexOf(end);
     const Vector2 after = tile[(vertex + 1) % sides] - tile[vertex];
     const Vector2 before = tile[(vertex + sides - 1) % sides] - tile[vertex];
-    double angle = std::atan2(cross(after, before), after.dot(before));
+    double angle = std::atan2(crossZ(after, before), after.dot(before));
     if (angle < 0) angle += 2 * std::numbers::pi;
     return {half, half + angle, kerf_ / 2};
   }
@@ -703,7 +698,7 @@ class OutlineMaker {
     const std::size_t count = loop.size();
     const auto at = [&](std::size_t k) { return outline_.points[loop[k % count]]; };
     const auto side = [&](std::size_t line, std::size_t point) {
-      return cross(at(line + 1) - at(line), at(point) - at(line));
+      return crossZ(at(line + 1) - at(line), at(point) - at(line));
     };
     for (std::size_t a = 0; a < count; ++a) {
       for (std::size_t b = a + 2; b < count; ++b) {

@@ -620,11 +620,11 @@ void appendChunk(std::string& file, std::uint32_t type, const std::string& bytes
 
 /// The file's length is a 32-bit number.
 void requireAddressable(std::size_t bytes) {
-  constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB for the JSON
-  if (bytes <= kMost) return;
+  constexpr std::size_t kMax = std::size_t{7} << 29U;  // leaves half a GiB for the JSON
+  if (bytes <= kMax) return;
   throw InputError(fmt::format(
       "error: the animation would have {} bytes, at most {} fit into a .glb; record fewer samples",
-      bytes, kMost));
+      bytes, kMax));
 }
 
 /// The length in the header includes the header.

@@ -42,7 +42,7 @@ std::string digestOf(std::istream& stream) {
 }
 
 void requireReadable(const std::filesystem::path& file, const std::string& purpose,
-                     std::uintmax_t mostBytes) {
+                     std::uintmax_t maxBytes) {
   if (!isPresent(file)) {
     throw inputErrorAt({file}, fmt::format("{}; {}", whyAbsent(file, "file"), purpose));
   }
@@ -52,9 +52,9 @@ void requireReadable(const std::filesystem::path& file, const std::string& purpo
   }
   std::error_code ignored;
   const std::uintmax_t size = std::filesystem::file_size(file, ignored);
-  if (size > mostBytes) {
+  if (size > maxBytes) {
     throw inputErrorAt({file}, fmt::format("the file has {} bytes, but at most {} are allowed; {}",
-                                           size, mostBytes, purpose));
+                                           size, maxBytes, purpose));
   }
 }
 
@@ -93,8 +93,8 @@ std::ifstream openInputFile(const std::filesystem::path& path) {
 }
 
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
-                         std::uintmax_t mostBytes) {
-  requireReadable(file, purpose, mostBytes);
+                         std::uintmax_t maxBytes) {
+  requireReadable(file, purpose, maxBytes);
   std::error_code gone;
   const std::uintmax_t size = std::filesystem::file_size(file, gone);
   std::string text(gone ? 0 : size, '\0');
@@ -115,9 +115,9 @@ Json parseJson(std::string_view text) {
   return Json::parse(text);
 }
 
-Json parseJson(std::string_view text, int mostNested) {
+Json parseJson(std::string_view text, int maxNested) {
   return Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
-    if (depth > mostNested) throw std::length_error("nested too deeply");
+    if (depth > maxNested) throw std::length_error("nested too deeply");
     return true;
   });
 }

@@ -54,13 +54,13 @@ std::ifstream openInputFile(const std::filesystem::path& path);
 
 /// Size limit of text files, bytes. It allows 250,000 tiles and bounds the memory that a file can
 /// request.
-inline constexpr std::uintmax_t kMostTextBytes = 64u << 20;
+inline constexpr std::uintmax_t kMaxTextBytes = 64u << 20;
 
 /// All bytes of a text file. `purpose` ends the messages: what to give or to write. Throws
-/// InputError if the file is missing, unreadable, not a regular file or larger than `mostBytes`.
+/// InputError if the file is missing, unreadable, not a regular file or larger than `maxBytes`.
 /// Line ends are not changed.
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
-                         std::uintmax_t mostBytes = kMostTextBytes);
+                         std::uintmax_t maxBytes = kMaxTextBytes);
 
 /// Appends formatted text to the future text of a file.
 template <typename... Arguments>
@@ -79,9 +79,9 @@ using Json = nlohmann::ordered_json;
 Json parseJson(std::string_view text);
 
 /// The same for untrusted files. Throws std::length_error if values are nested deeper than
-/// `mostNested`: the library compares and copies them recursively, and deep nesting would overflow
+/// `maxNested`: the library compares and copies them recursively, and deep nesting would overflow
 /// the stack.
-Json parseJson(std::string_view text, int mostNested);
+Json parseJson(std::string_view text, int maxNested);
 
 /// The same, but discarded (Json::is_discarded) if the syntax is wrong.
 Json parseJsonOrDiscard(std::string_view text);

@@ -97,6 +97,12 @@ inline std::vector<Matrix3> rotationMatrices(const Poses& poses) {
   return matrices;
 }
 
+/// The z component of the cross product of two vectors, from their x and y.
+template <class A, class B>
+double crossZ(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
 /// The matrix [v]x with [v]x w = v x w.
 inline Matrix3 crossMatrix(const Vector3& v) {
   Matrix3 matrix;
@@ -156,9 +162,8 @@ inline Pose displaced(const Pose& pose, const Vector3& move, const Vector3& turn
 /// between.
 Poses interpolate(const Poses& from, const Poses& to, double share);
 
-/// The rate of the rotation vector `turn` of a body with this angular velocity: the
-/// inverse of the left Jacobian of SO(3) (Barfoot, State Estimation for Robotics, 2017,
-/// eq. 7.77).
+/// The rate of the rotation vector `turn` of a body with this angular velocity: the inverse of the
+/// left Jacobian of SO(3) (Barfoot, State Estimation for Robotics, 2017, eq. 7.77).
 Vector3 turnRate(const Vector3& turn, const Vector3& angular);
 
 /// Interpolates two motions that are `seconds` apart, at a share in [0, 1], by cubics with the

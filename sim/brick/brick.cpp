@@ -118,7 +118,7 @@ Brick makeBrick(const model::Tile& tile, const BrickRule& rule) {
 std::vector<model::PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom,
                                               const Vector3& normal) {
   // Readers refuse such tiles. They can only come from a damaged trajectory, and would be slow.
-  if (bottom.size() > model::kMostTileVertices || model::isConvexPolygon(bottom, normal)) return {};
+  if (bottom.size() > model::kMaxTileVertices || model::isConvexPolygon(bottom, normal)) return {};
   return model::convexParts(bottom, normal);
 }
 

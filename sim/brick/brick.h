@@ -69,15 +69,15 @@ struct BrickPiece {
   model::PolygonPart corners;  ///< its corners' numbers in the whole brick
 };
 
-/// The convex pieces of all bricks, brick by brick. One piece for each convex brick.
-/// Shapes are copied.
+/// The convex pieces of all bricks, brick by brick. One piece for each convex brick. Shapes are
+/// copied.
 std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks);
 
 /// The pieces of one brick.
 std::vector<BrickPiece> convexPieces(const Brick& brick, int number = 0);
 
-/// Thickens a tile: its bottom is the tile, its top lies on the side of the normal.
-/// The tile must be simple and have an area. A concave tile also costs the search for convex parts.
+/// Thickens a tile: its bottom is the tile, its top lies on the side of the normal. The tile must
+/// be simple and have an area. A concave tile also costs the search for convex parts.
 Brick makeBrick(const model::Tile& tile, const BrickRule& rule);
 
 /// The bricks of all tiles, in order.
@@ -130,9 +130,8 @@ double pivotGap(const Pivot& pivot, const Vector3& apart);
 /// The same at these poses.
 double pivotGap(const Pivot& pivot, const Poses& poses);
 
-/// The pivots of all joints, in joint order, bottom before top.
-/// A pivot joint has one or two pivots, a link one, a fixed joint three. The joints' corners must
-/// exist.
+/// The pivots of all joints, in joint order, bottom before top. A pivot joint has one or two
+/// pivots, a link one, a fixed joint three. The joints' corners must exist.
 std::vector<Pivot> makePivots(const std::vector<model::Joint>& joints,
                               const std::vector<Brick>& bricks);
 

@@ -309,8 +309,7 @@ PinComponent componentAlong(const Eigen::Vector2d& d, const Eigen::Vector2d& dir
                             const Eigen::Vector2d& armB) {
   const auto slopeAlong = [&](const Eigen::Vector2d& along) {
     Vector6 slope;
-    slope << -along, along.x() * armA.y() - along.y() * armA.x(), along,
-        along.y() * armB.x() - along.x() * armB.y();
+    slope << -along, crossZ(along, armA), along, crossZ(armB, along);
     return slope;
   };
   Vector6 mean = Vector6::Zero();
@@ -371,7 +370,7 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
   const double length = l.norm();
   const Eigen::Vector2d n = l / length, t(-n.y(), n.x());
   const double stretch = length - l0.norm();
-  const double turn = std::atan2(l0.x() * l.y() - l0.y() * l.x(), l0.dot(l));
+  const double turn = std::atan2(crossZ(l0, l), l0.dot(l));
   const double shear = std::remainder(turn - 0.5 * (turnA + turnB), 2 * std::numbers::pi);
 
   // d|l| = n . dl, and the angle of l changes by t . dl / |l|.

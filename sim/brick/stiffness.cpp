@@ -222,7 +222,7 @@ double barArea(const std::array<Vector3, 3>& triangle, double thickness, double 
 
 double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, double youngs,
                      double poisson, double thickness) {
-  constexpr double kLeast = 0.05;
+  constexpr double kMin = 0.05;
   double skew = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     // The angle at corner k between its two sides. atan2 keeps its precision at right and flat
@@ -232,7 +232,7 @@ double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, dou
     skew += std::abs(std::numbers::pi / 2 - std::atan2(next.cross(last).norm(), next.dot(last)));
   }
   // The fit becomes negative for very skew panels. A stiffness must be positive.
-  const double share = std::max(kLeast, 0.55 - 0.42 * skew / std::numbers::pi);
+  const double share = std::max(kMin, 0.55 - 0.42 * skew / std::numbers::pi);
   return share * plateStiffness(youngs, poisson, thickness) * std::cbrt(diagonal / thickness);
 }
 

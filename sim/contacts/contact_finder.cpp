@@ -765,7 +765,7 @@ BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<Separat
 
 void BrickPair::keepOverlap(const Pose& startOfB) {
   // The largest separation over all planes is the distance of the two, or, if it is negative, minus
-  // the least depth.
+  // the smallest depth.
   placeOutline(outlineB(), startOfB, scratch_.startB);
   slack_ = std::max(0.0, -bestSeparationAtStart());
 }
@@ -1054,7 +1054,7 @@ constexpr double kSteady = 0.05;
 // Projections of points that differ by less than this fraction of an edge are equal.
 constexpr double kTie = 1e-9;
 
-// The least projection of the points on a direction.
+// The smallest projection of the points on a direction.
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
   for (const Vector3& point : points) low = std::min(low, point.dot(direction));

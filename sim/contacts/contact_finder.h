@@ -34,8 +34,8 @@ class NearPairs {
   explicit NearPairs(const std::vector<brick::Brick>& bricks);
   ~NearPairs();
 
-  /// Updates the boxes after a move. Returns whether the pairs were found again.
-  /// O(bricks) if the boxes still hold, else O(bricks log bricks).
+  /// Updates the boxes after a move. Returns whether the pairs were found again. O(bricks) if the
+  /// boxes still hold, else O(bricks log bricks).
   bool update(const Poses& start, const Poses& end);
 
   /// The pairs whose boxes overlap, smaller number first, sorted. A box holds its brick at the
@@ -115,9 +115,9 @@ class ContactFinder : public brick::ContactSource {
 /// A brick as the points, outward face normals and edges of a convex body, in brick axes. In a
 /// planar scene only the outline counts: the bottom's vertices and the side faces.
 struct Outline {
-  std::vector<Vector3> points;      ///< corners, metres
-  std::vector<Vector3> normals;     ///< one per face, unit
-  std::vector<int> facePoints;      ///< a point on each face, as an index into points
+  std::vector<Vector3> points;   ///< corners, metres
+  std::vector<Vector3> normals;  ///< one per face, unit
+  std::vector<int> facePoints;   ///< a point on each face, as an index into points
   /// The corners of each face, as indices into points, anticlockwise seen from outside.
   std::vector<std::vector<int>> faces;
   std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
@@ -291,10 +291,10 @@ class BrickPair {
   FaceContact faceContact_;
   double slack_ = 0;
   const std::vector<SeparatingPlane>& planes_;
-  SeparatingPlane last_;                // that separated the pair at the last check
-  Pose checkedPose_;                    // B's pose at that check
-  double clearance_;                    // the separation at that check
-  std::vector<SeparatingPlane> given_;  // whose contacts were appended in this step
+  SeparatingPlane last_;                 // that separated the pair at the last check
+  Pose checkedPose_;                     // B's pose at that check
+  double clearance_;                     // the separation at that check
+  std::vector<SeparatingPlane> given_;   // whose contacts were appended in this step
   std::vector<brick::Contact> corners_;  // of regions, appended in this step
   long givenStep_ = -1;
 };

@@ -270,7 +270,7 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
   if (!run.seesAllPairs()) {
     result.warnings.push_back(fmt::format(
         "too many bricks are in one place. The overlap is the largest of the first {} pairs",
-        trajectory::mostPairs(scene.model.tiles.size())));
+        trajectory::maxPairs(scene.model.tiles.size())));
   }
   const scene::TargetSpringSettings& springs = scene.springs;
   const bool isGuided = choice.path.kind == scene::PathKind::Guided;

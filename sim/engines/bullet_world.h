@@ -37,8 +37,8 @@ struct BulletSettings {
 /// per pivot, and the ground if there is one.
 class BulletWorld : public BrickWorld {
  public:
-  /// The environment gives gravity, damping, contacts and ground.
-  /// Poses are those of the centres of mass. All lists are in the order of the bricks.
+  /// The environment gives gravity, damping, contacts and ground. Poses are those of the centres of
+  /// mass. All lists are in the order of the bricks.
   BulletWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
               std::span<const brick::Pivot> pivots, const scene::Environment& environment,
               const BulletSettings& settings);
@@ -95,9 +95,8 @@ struct InsetHull {
 };
 
 /// Moves every face of the brick inwards by min(0.02 m, a fifth of the thickness), or by less so no
-/// edge loses more than half of its length.
-/// The brick is convex.
-/// Throws nothing; O(n) in its corners.
+/// edge loses more than half of its length. The brick is convex. Throws nothing; O(n) in its
+/// corners.
 InsetHull insetHull(const brick::Brick& brick);
 
 /// The largest margin of a brick's convex pieces, metres.

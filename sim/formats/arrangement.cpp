@@ -60,7 +60,7 @@ Arrangement::Arrangement(const std::vector<PlaneSegment>& segments, double toler
     const auto& [a, b] = segments[k];
     const Vector2 along = b - a, rest = numbers_[node] - a;
     const double length = along.norm(), place = rest.dot(along) / length;
-    return place > 0 && place < length && std::abs(crossOf(along, rest)) <= tolerance * length;
+    return place > 0 && place < length && std::abs(crossZ(along, rest)) <= tolerance * length;
   };
   visitNearSegments(segments, 2 * tolerance, [&](int i, int j) {
     if (ends[i].first == ends[i].second || ends[j].first == ends[j].second) return;
@@ -199,7 +199,7 @@ double ringArea(const PlaneRing& ring) {
   double twice = 0;
   for (std::size_t k = 0; k < ring.size(); ++k) {
     // Relative to the first point, which keeps the precision of distant positions.
-    twice += crossOf(ring[k] - ring[0], ring[(k + 1) % ring.size()] - ring[0]);
+    twice += crossZ(ring[k] - ring[0], ring[(k + 1) % ring.size()] - ring[0]);
   }
   return 0.5 * twice;
 }
@@ -220,7 +220,7 @@ std::vector<bool> simplifiedChain(const std::vector<Vector2>& chain, double tole
       const Vector2 rest = chain[k] - chain[first];
       const double place = length > 0 ? rest.dot(along) / length : 0;
       const double off = place > 0 && place < length
-                             ? std::abs(crossOf(along, rest)) / length
+                             ? std::abs(crossZ(along, rest)) / length
                              : std::min(rest.norm(), (chain[k] - chain[last]).norm());
       if (off <= worst) continue;
       worst = off;

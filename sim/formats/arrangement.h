@@ -41,18 +41,13 @@ using PlaneSegment = std::pair<Vector2, Vector2>;
 /// A closed polygon without its last point, metres.
 using PlaneRing = std::vector<Vector2>;
 
-/// The z of the cross product.
-inline double crossOf(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// Shares s and t with p + s u = q + t v, where two lines cross. Absent for parallel lines.
 inline std::optional<std::pair<double, double>> crossingShares(const Vector2& p, const Vector2& u,
                                                                const Vector2& q, const Vector2& v) {
-  const double area = crossOf(u, v);
+  const double area = crossZ(u, v);
   if (area == 0) return {};
   const Vector2 apart = q - p;
-  return std::pair(crossOf(apart, v) / area, crossOf(apart, u) / area);
+  return std::pair(crossZ(apart, v) / area, crossZ(apart, u) / area);
 }
 
 /// Calls visit(i, j), i != j, once per pair of segments whose boxes are within reach, metres.

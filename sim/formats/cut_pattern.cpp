@@ -74,10 +74,10 @@ struct LineGroup {
 /// equations: w x (p - c) + v is equal for both tiles, three unknowns per tile, rotations scaled by
 /// tile size. For large sheets it only counts unknowns (J. C. Maxwell).
 bool movesInPlane(const model::Model& model, double tolerance) {
-  constexpr std::size_t kMostTiles = 300;  // for a dense factorisation
+  constexpr std::size_t kMaxTiles = 300;  // for a dense factorisation
   const auto tiles = static_cast<Eigen::Index>(model.tiles.size());
   const auto joints = static_cast<Eigen::Index>(model.joints.size());
-  if (3 * tiles - 3 > 2 * joints || model.tiles.size() > kMostTiles) {
+  if (3 * tiles - 3 > 2 * joints || model.tiles.size() > kMaxTiles) {
     return 3 * tiles - 3 > 2 * joints;
   }
   const double size = model::tileSize(model);
@@ -326,7 +326,7 @@ class CutPatternReader {
 
   /// Drops lines that continue with a bend, such as the sides of a slot in separate lines.
   void dropSidesOfOutlines(std::vector<const DrawnPath*>& open) const {
-    constexpr double kLeastBend = 0.02;  // radians
+    constexpr double kMinBend = 0.02;  // radians
     if (open.empty()) return;
     struct CutPathEnd {
       std::size_t path = 0;
@@ -346,7 +346,7 @@ class CutPatternReader {
     for (const std::vector<CutPathEnd>& ends : at) {
       for (const CutPathEnd& one : ends) {
         for (const CutPathEnd& other : ends) {
-          if (one.path == other.path || (one.inwards + other.inwards).norm() < kLeastBend) continue;
+          if (one.path == other.path || (one.inwards + other.inwards).norm() < kMinBend) continue;
           bent.insert(open[one.path]);
         }
       }
@@ -536,7 +536,7 @@ class CutPatternReader {
   bool meet(const PlaneSegment& a, const PlaneSegment& b) const {
     if (touchesEnd(a, b)) return true;
     const auto side = [](const PlaneSegment& line, const Vector2& point) {
-      return crossOf(line.second - line.first, point - line.first) > 0;
+      return crossZ(line.second - line.first, point - line.first) > 0;
     };
     return side(a, b.first) != side(a, b.second) && side(b, a.first) != side(b, a.second);
   }
@@ -994,8 +994,8 @@ model::Model readDrawnModel(const Drawing& drawing, const fs::path& file,
     return model;
   };
   // Smaller drawings are points. Their tolerance is below the precision of doubles.
-  constexpr double kLeastDrawing = 1e-9;  // metres
-  if (!(drawing.size() > kLeastDrawing)) {
+  constexpr double kMinDrawing = 1e-9;  // metres
+  if (!(drawing.size() > kMinDrawing)) {
     const std::vector<std::string> others = entriesOf(drawing.ignored);
     throw inputErrorAt(
         {file}, fmt::format("the drawing has no lines of a sheet{}. Draw its outline and its cuts",

@@ -55,7 +55,7 @@ class RayTracer {
     }
     for (int i = 0; i < std::ssize(rays_); ++i) {
       for (int j = i + 1; j < std::ssize(rays_); ++j) {
-        if (std::abs(crossOf(rays_[i].along, rays_[j].along)) < 1e-3) continue;
+        if (std::abs(crossZ(rays_[i].along, rays_[j].along)) < 1e-3) continue;
         const auto [s, t] =
             *crossingShares(rays_[i].from, rays_[i].along, rays_[j].from, rays_[j].along);
         const bool isAhead = s > tolerance_ && t > tolerance_;
@@ -110,7 +110,7 @@ class RayTracer {
         const Vector2 whole = ray.from - lines_.at(lines_.to(half));
         const Vector2 step = lines_.at(last) - lines_.at(lines_.to(half));
         if (lines_.to(half) == before || step.dot(ray.along) <= 0.99 * step.norm()) continue;
-        const double off = std::abs(crossOf(whole, ray.from - lines_.at(last))) / whole.norm();
+        const double off = std::abs(crossZ(whole, ray.from - lines_.at(last))) / whole.norm();
         if (off <= tolerance_) further = lines_.to(half);
       }
       if (further < 0) break;
@@ -124,7 +124,7 @@ class RayTracer {
     if (curveError_ > 0 && lines_.leaving(last).size() == 2) {
       for (const int half : lines_.leaving(last)) {
         const Vector2 before = lines_.at(last) - lines_.at(lines_.to(half));
-        const double turn = std::atan2(crossOf(before, ray.along), before.dot(ray.along));
+        const double turn = std::atan2(crossZ(before, ray.along), before.dot(ray.along));
         const double ratio = before.norm() / ray.straight;
         const bool isCurve = ray.straight * std::abs(turn) <= 8 * curveError_;
         if (isCurve && std::abs(turn) < 0.8 && ratio > 0.5 && ratio < 2) {
@@ -180,7 +180,7 @@ int findHit(CutRay& ray, const Arrangement& lines, double tolerance) {
       const Vector2 rest = lines.at(node) - ray.from;
       const double ahead = rest.dot(ray.along);
       // Points within the tolerance of the cut's end are this end.
-      if (ahead <= 0 || std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance)) continue;
+      if (ahead <= 0 || std::abs(crossZ(ray.along, rest)) > ray.slack(ahead, tolerance)) continue;
       hasEnd = true;
       if (ahead >= ray.hit) continue;
       ray.hit = ahead;

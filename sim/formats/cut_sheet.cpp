@@ -314,7 +314,7 @@ class SheetMaker {
   /// Updates the largest deviation of a cut from its aim.
   void noteDeviation(const CutRay& ray) {
     const Vector2 path = ray.stopPlace - ray.from;
-    moved_ = std::max(moved_, std::abs(crossOf(ray.along, path)));
+    moved_ = std::max(moved_, std::abs(crossZ(ray.along, path)));
   }
 
   void takeNecks() {
@@ -546,7 +546,7 @@ class SheetMaker {
   bool isDashed(const CutRay& ray, const Vector2& other, const Vector2& place) const {
     const Vector2 apart = place - other;
     return apart.norm() <= kStub * scale_ &&
-           std::abs(crossOf(ray.along, apart)) <= ray.slack(apart.norm(), tolerance_);
+           std::abs(crossZ(ray.along, apart)) <= ray.slack(apart.norm(), tolerance_);
   }
 
   double materialOf(const CutRay& ray) const {

@@ -129,10 +129,10 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
   for (std::size_t k = 0; k + 1 < drawing.paths.size() && drawing.paths.size() % 4096 == 0; ++k) {
     count += drawing.paths[k].points.size();
   }
-  if (count <= kMostDrawnPoints && drawing.paths.size() <= kMostDrawnPoints / 2) return;
+  if (count <= kMaxDrawnPoints && drawing.paths.size() <= kMaxDrawnPoints / 2) return;
   throw inputErrorAt(
       {file}, fmt::format("the drawing has more than {} points. Remove lines that are not cuts",
-                          kMostDrawnPoints));
+                          kMaxDrawnPoints));
 }
 
 bool isDrawing(const std::filesystem::path& file) {

@@ -89,7 +89,7 @@ Drawing readDxfDrawing(const std::filesystem::path& file, const std::string& tex
 inline constexpr const char* kShapeWithoutStroke = "shape without a stroke";
 
 /// Maximum number of points of a drawing, a limit for nested blocks.
-inline constexpr std::size_t kMostDrawnPoints = 2'000'000;
+inline constexpr std::size_t kMaxDrawnPoints = 2'000'000;
 
 /// Adds a path in metres. Repeated points and paths without length are dropped.
 void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file);

@@ -56,7 +56,7 @@ std::vector<int> outlineOf(const CornerNumbers& faces, const std::vector<int>& p
     if (found == next.end()) return {};
     at = found->second;
   } while (at != *begin && outline.size() <= next.size());
-  const bool isWhole = outline.size() == next.size() && outline.size() <= model::kMostTileVertices;
+  const bool isWhole = outline.size() == next.size() && outline.size() <= model::kMaxTileVertices;
   return isWhole ? outline : std::vector<int>();
 }
 
@@ -233,7 +233,7 @@ class PlanarDrawing {
   std::pair<double, double> alongEdge(int point, int edge) const {
     const Vector2 origin = places_[ends_[edge].first];
     const Vector2 along = places_[ends_[edge].second] - origin, offset = places_[point] - origin;
-    return {crossOf(along, offset) / along.norm(), along.dot(offset) / along.squaredNorm()};
+    return {crossZ(along, offset) / along.norm(), along.dot(offset) / along.squaredNorm()};
   }
 
   /// Whether an end of one edge lies within the other.

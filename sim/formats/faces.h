@@ -28,7 +28,7 @@ struct JoinedFaces {
 };
 
 /// Joins faces that pairs connect to one tile each. Faces stay separate if the outline of all of
-/// them is not one closed polygon, or has more than kMostTileVertices vertices.
+/// them is not one closed polygon, or has more than kMaxTileVertices vertices.
 JoinedFaces joinFaces(const CornerNumbers& faces, const FacePairs& pairs);
 
 /// Neighbours across an edge that lie in one plane in every state. All states have the tiles of

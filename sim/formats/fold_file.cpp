@@ -80,18 +80,18 @@ using FoldAngles = std::vector<std::optional<double>>;  // of all edges, degrees
 constexpr double kFlatEdge = 1e-6;
 
 // FOLD has values nested five deep. Keys of other programs may have more.
-constexpr int kMostNested = 64;
+constexpr int kMaxNested = 64;
 
 // The whole file as JSON; its syntax errors as ours.
 Json parsedFile(const fs::path& file) {
   try {
-    return parseJson(readPlainText(file, "give a FOLD file"), kMostNested);
+    return parseJson(readPlainText(file, "give a FOLD file"), kMaxNested);
   } catch (const std::length_error&) {
     throw inputErrorAt(
         {file},
         fmt::format(
             "values are nested more than {} deep, but a FOLD file has 5 levels. Give a FOLD file",
-            kMostNested));
+            kMaxNested));
   } catch (const Json::exception& error) {
     // The library's texts begin with "[json.exception.parse_error.101] ", which is not useful.
     const std::string_view text = error.what();
@@ -870,7 +870,7 @@ FoldedSheet foldAlong(const std::vector<model::Crease>& creases, const model::Mo
   folded.tiles =
       foldedTiles(model.drawing->outlines, creases, model.tiles, normal).value_or(model.tiles);
   folded.gap = model::largestJointGap(model.joints, folded.tiles);
-  folded.isOpen = folded.gap > kMostGap * model::tileSize(model);
+  folded.isOpen = folded.gap > kMaxGap * model::tileSize(model);
   return folded;
 }
 

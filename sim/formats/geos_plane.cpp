@@ -14,7 +14,7 @@ int windingNumber(const PlaneRing& ring, const Vector2& point) {
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Vector2 a = ring[k] - point, b = ring[(k + 1) % ring.size()] - point;
     if ((a.y() <= 0) == (b.y() <= 0)) continue;
-    const double side = crossOf(a, b);
+    const double side = crossZ(a, b);
     if (a.y() <= 0 && side > 0) ++turns;
     if (b.y() <= 0 && side < 0) --turns;
   }

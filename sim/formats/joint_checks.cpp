@@ -99,7 +99,7 @@ double misfitOf(const model::Model& model) {
   const double tile = model::tileSize(model);
   const auto gapOf = [&](const std::vector<model::Tile>& tiles) {
     const double gap = model::largestJointGap(model.joints, tiles);
-    return gap > model::kMostMisfit * tile ? 0 : gap;
+    return gap > model::kMaxMisfit * tile ? 0 : gap;
   };
   const double misfit = std::max(gapOf(model.tiles), model.target ? gapOf(*model.target) : 0);
   return misfit > model::kClosedShare * tile ? misfit : 0;
@@ -161,7 +161,7 @@ std::vector<model::Joint> checkedJoints(const JointTable& table, const TileTable
 
 void checkClosed(const JointTable& table, model::Model& model, const TileTable& tiles,
                  std::vector<std::string>& warnings) {
-  const double allowed = kMostGap * model::tileSize(model);
+  const double allowed = kMaxGap * model::tileSize(model);
   const double samePlace = samePlaceTolerance(model.tiles);
   RoundedCorners rounded(model);
   double worst = 0;

@@ -30,9 +30,8 @@ struct JointTable {
 };
 
 /// Stores the neck of the file's joint row `joint` (zero-based). Lengths are valid if width > kerf
-/// / 2, length >= kerf and kerf >= 0.
-/// Throws InputError at this location for other lengths, for a joint that does not exist, and for a
-/// second neck of one joint.
+/// / 2, length >= kerf and kerf >= 0. Throws InputError at this location for other lengths, for a
+/// joint that does not exist, and for a second neck of one joint.
 void setNeck(int joint, const model::Neck& neck, const FileLocation& location, JointTable& table);
 
 /// Whether all tiles and vertices of the rows exist after adding `shift` to their numbers.
@@ -46,13 +45,12 @@ std::vector<model::Joint> checkedJoints(const JointTable& table, const TileTable
 
 /// Largest distance of a pivot's corners in a given state, as a fraction of a tile. Larger ones
 /// come from a wrong number. Largest in real designs: 3.5e-4 (cube2sphere_w3_h3).
-inline constexpr double kMostGap = 0.05;
+inline constexpr double kMaxGap = 0.05;
 
-/// Throws InputError for a pivot whose corners are more than kMostGap of a tile apart at
-/// the start. Adds warnings for gaps that rounding does not explain. Gaps that rounding
-/// explains are noted as repairs, since the corners are one point. `model` holds the tiles
-/// and the joints of `table`. Links are not included because their corners are apart by
-/// design.
+/// Throws InputError for a pivot whose corners are more than kMaxGap of a tile apart at the start.
+/// Adds warnings for gaps that rounding does not explain. Gaps that rounding explains are noted as
+/// repairs, since the corners are one point. `model` holds the tiles and the joints of `table`.
+/// Links are not included because their corners are apart by design.
 void checkClosed(const JointTable& table, model::Model& model, const TileTable& tiles,
                  std::vector<std::string>& warnings);
 
@@ -65,7 +63,7 @@ void requireKinds(const model::Model& model, const std::set<model::JointKind>& k
                   const char* rule, const std::filesystem::path& file);
 
 /// How closely corners fit in designs with all their digits: the largest gap of a pivot at the
-/// start and, if the model has one, at the target, metres. Gaps above model::kMostMisfit of a tile
+/// start and, if the model has one, at the target, metres. Gaps above model::kMaxMisfit of a tile
 /// are not a misfit: a run closes them, and a target that has them is open. 0 if corners fit
 /// exactly.
 double misfitOf(const model::Model& model);

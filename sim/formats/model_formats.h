@@ -50,10 +50,9 @@ void writeObjPair(const model::Model& model, const std::filesystem::path& file);
 /// tiles. Vertex numbers that faces share are joints, see meshNumbers(), so faces with a common
 /// edge are hinged. Other elements and properties are ignored.
 ///
-/// Throws InputError for invalid headers and numbers, files that end early,
-/// and tiles that cannot be bricks. Coordinates are in the file's unit.
-/// There is no target. The whole file is read into memory, at most
-/// kMostTextBytes.
+/// Throws InputError for invalid headers and numbers, files that end early, and tiles that cannot
+/// be bricks. Coordinates are in the file's unit. There is no target. The whole file is read into
+/// memory, at most kMaxTextBytes.
 model::Model readPly(const std::filesystem::path& file, std::vector<std::string>& warnings,
                      const ReadSettings& settings = {});
 
@@ -184,10 +183,9 @@ void writeFold(const model::Model& model, const std::filesystem::path& file);
 // faces are one rigid piece. Fold angles are signed dihedral angles in degrees, 0 flat, positive if
 // the two faces turn towards their upper side (valley).
 
-/// The joints of faces that share vertices, as in jointsOfSharedNumbers, except
-/// at creases that cut or fix. `tiles` are the faces at the start. Edges that are
-/// not in `creases` count as unassigned, which means hinges. Fixed joints come
-/// last.
+/// The joints of faces that share vertices, as in jointsOfSharedNumbers, except at creases that cut
+/// or fix. `tiles` are the faces at the start. Edges that are not in `creases` count as unassigned,
+/// which means hinges. Fixed joints come last.
 std::vector<model::Joint> jointsOfCreases(const CornerNumbers& faces,
                                           const std::vector<model::Crease>& creases,
                                           const std::vector<model::Tile>& tiles);

@@ -24,8 +24,8 @@ namespace {
 // and fillets bend short tips.
 constexpr double kTipAim = 0.25;
 constexpr double kFacing = -0.5;  // largest cosine between tips that face each other
-constexpr double kLeastTurn = std::numbers::pi / 6;  // of the sides, radians
-constexpr std::size_t kMostVertices = 40;            // of a tip
+constexpr double kMinTurn = std::numbers::pi / 6;  // of the sides, radians
+constexpr std::size_t kMaxVertices = 40;           // of a tip
 
 /// The ring without vertices on straight lines.
 PlaneRing withoutStraight(const PlaneRing& ring, double tolerance) {
@@ -33,7 +33,7 @@ PlaneRing withoutStraight(const PlaneRing& ring, double tolerance) {
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Vector2& before = kept.empty() ? ring.back() : kept.back();
     const Vector2 whole = ring[(k + 1) % ring.size()] - before, part = ring[k] - before;
-    if (std::abs(crossOf(whole, part)) > tolerance * whole.norm() || whole.dot(part) < 0) {
+    if (std::abs(crossZ(whole, part)) > tolerance * whole.norm() || whole.dot(part) < 0) {
       kept.push_back(ring[k]);
     }
   }
@@ -54,7 +54,7 @@ bool isSlender(const PlaneRing& ring) {
 
 /// The angle by which the direction turns clockwise, around the opening, (-pi, pi].
 double turnOf(const Vector2& from, const Vector2& to) {
-  return -std::atan2(crossOf(from, to), from.dot(to));
+  return -std::atan2(crossZ(from, to), from.dot(to));
 }
 
 struct TipChain {
@@ -93,7 +93,7 @@ class RingTips {
   void collectFrom(std::size_t first, std::vector<TipChain>& chains) const {
     TipChain chain{first, 1, 0};
     double turn = 0, longest = 0;
-    for (; chain.count <= std::min(kMostVertices, ring_.size() - 2); ++chain.count) {
+    for (; chain.count <= std::min(kMaxVertices, ring_.size() - 2); ++chain.count) {
       const std::size_t last = first + chain.count - 1;
       const double corner = turnOf(edge(last + ring_.size() - 1), edge(last));
       turn += corner;
@@ -101,7 +101,7 @@ class RingTips {
       if (corner <= 0 || turn >= std::numbers::pi) return;
       chain.side = std::min(sideBefore(chain).norm(), sideAfter(chain).norm());
       const double width = (at(last) - at(first)).norm();
-      if (turn >= kLeastTurn && 2 * longest < chain.side && width < chain.side) {
+      if (turn >= kMinTurn && 2 * longest < chain.side && width < chain.side) {
         chains.push_back(chain);
       }
     }
@@ -122,8 +122,8 @@ class RingTips {
     // The chain where it crosses the bisector.
     const Vector2 apex = tip.ends.front() + shares->first * before;
     for (std::size_t k = 0; k + 1 < tip.ends.size(); ++k) {
-      const double one = crossOf(tip.along, tip.ends[k] - apex);
-      const double other = crossOf(tip.along, tip.ends[k + 1] - apex);
+      const double one = crossZ(tip.along, tip.ends[k] - apex);
+      const double other = crossZ(tip.along, tip.ends[k + 1] - apex);
       if ((one > 0) == (other > 0)) continue;
       tip.from = tip.ends[k] + one / (one - other) * (tip.ends[k + 1] - tip.ends[k]);
     }
@@ -143,7 +143,7 @@ class SmoothTips {
   std::vector<OpeningTip> find() {
     std::vector<std::size_t> breaks;
     for (std::size_t k = 0; k < ring_.size(); ++k) {
-      if (std::abs(turnAt(k)) >= kLeastTurn) breaks.push_back(k);
+      if (std::abs(turnAt(k)) >= kMinTurn) breaks.push_back(k);
     }
     if (breaks.empty() && ringArea(ring_) < 0) addTips(0, ring_.size(), middleOf(ring_));
     for (std::size_t k = 0; k < breaks.size(); ++k) {
@@ -169,8 +169,8 @@ class SmoothTips {
     double whole = 0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const Vector2 a = ring[k] - ring[0], b = ring[(k + 1) % ring.size()] - ring[0];
-      sum += crossOf(a, b) / 3 * (a + b);
-      whole += crossOf(a, b);
+      sum += crossZ(a, b) / 3 * (a + b);
+      whole += crossZ(a, b);
     }
     return ring[0] + sum / whole;
   }
@@ -294,7 +294,7 @@ std::vector<CutRay> traceTips(const std::vector<OpeningTip>& tips, const Arrange
       const double slack = std::max(ray.slack(ahead, tolerance), kTipAim * ahead);
       if (other == k || ahead <= tolerance || ahead > std::min(ray.hit + slack, nearest)) continue;
       if (tips[other].along.dot(ray.along) > kFacing) continue;
-      if (std::abs(crossOf(ray.along, rest)) > slack) continue;
+      if (std::abs(crossZ(ray.along, rest)) > slack) continue;
       facing[k] = static_cast<int>(other);
       nearest = ahead;
     }

@@ -316,8 +316,8 @@ class PatternReader {
 
   /// Tolerance of the angle between two lines, radians.
   double angleTolerance(const Vector2& a, const Vector2& b) const {
-    constexpr double kLeastCorner = 0.02;
-    return std::min(tolerance_ / a.norm() + tolerance_ / b.norm(), kLeastCorner);
+    constexpr double kMinCorner = 0.02;
+    return std::min(tolerance_ / a.norm() + tolerance_ / b.norm(), kMinCorner);
   }
 
   /// The corner of a tile between the reverse of a side and the next side: (0, 2 pi].
@@ -357,7 +357,7 @@ class PatternReader {
       side = nextSide(side);
       // The line ends, another tile has this side, or the cycle is longer than any tile.
       const bool isStray = side < 0 || (sides_[side].tile >= 0 && side != first) ||
-                           cycle.size() > model::kMostTileVertices;
+                           cycle.size() > model::kMaxTileVertices;
       if (isStray) {
         const Vector2& where = points_[sides_[cycle.back()].to];
         throw patternFault(
@@ -371,7 +371,7 @@ class PatternReader {
   model::Joint jointAt(const DrawnNeck& neck) {
     const Vector2 towards = neck.middle - neck.joint;
     std::optional<model::Corner> before, after;
-    double leastBefore = kTurn, leastAfter = kTurn;
+    double minBefore = kTurn, minAfter = kTurn;
     bool isInTile = false;
     for (const int side : leaving_[*points_.find(neck.joint)]) {
       const DirectedSide& leaving = sides_[side];
@@ -386,12 +386,12 @@ class PatternReader {
       isInTile |= std::min(gapBefore, gapAfter) <
                   half - std::max(angleTolerance(towards, alongOf(leaving)),
                                   angleTolerance(towards, alongOf(sides_[last])));
-      if (gapAfter < leastAfter) {
-        leastAfter = gapAfter;
+      if (gapAfter < minAfter) {
+        minAfter = gapAfter;
         after = corner;
       }
-      if (gapBefore < leastBefore) {
-        leastBefore = gapBefore;
+      if (gapBefore < minBefore) {
+        minBefore = gapBefore;
         before = corner;
       }
     }

@@ -29,7 +29,7 @@ namespace kirireel::formats {
 namespace {
 
 // Corners at more positions within one tolerance are refused as ambiguous.
-constexpr std::size_t kMostInACell = 100;
+constexpr std::size_t kMaxPerCell = 100;
 
 const Vector3& placeOf(const std::vector<model::Tile>& tiles, const model::Corner& corner) {
   return tiles[corner.tile].vertices[corner.vertex];
@@ -177,7 +177,7 @@ class NearCorners {
   // Too many positions within one tolerance are ambiguous and slow.
   void settle(const model::Corner& corner, std::vector<model::Corner>& residents) const {
     residents.push_back(corner);
-    if (residents.size() > kMostInACell) refuse(static_cast<std::size_t>(corner.tile));
+    if (residents.size() > kMaxPerCell) refuse(static_cast<std::size_t>(corner.tile));
   }
 
   [[noreturn]] void refuse(std::size_t tile) const {

@@ -160,11 +160,11 @@ std::vector<PlaneRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* mate
 
 /// Junction of two centre lines that end near a position: their crossing if it is near.
 Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, double near) {
-  constexpr double kLeastBend = 0.01;  // radians; straighter lines cross far away
+  constexpr double kMinBend = 0.01;  // radians; straighter lines cross far away
   if (lines.size() != 2) return place;
   const Vector2 u = (lines[0].second - lines[0].first).normalized();
   const Vector2 v = (lines[1].second - lines[1].first).normalized();
-  if (std::abs(crossOf(u, v)) < kLeastBend) return place;
+  if (std::abs(crossZ(u, v)) < kMinBend) return place;
   const double share = crossingShares(lines[0].first, u, lines[1].first, v)->first;
   const Vector2 bend = lines[0].first + share * u;
   return (bend - place).norm() <= near ? bend : place;
@@ -240,7 +240,7 @@ void takeEnclosedSlots(const std::vector<PlaneRing>& rings,
     const Vector2 along = to - from, apart = near[std::max(i, j)].first - from;
     const double length = along.norm();
     const bool isBeside = apart.dot(along) >= 0 && apart.dot(along) <= length * length;
-    if (isBeside && std::abs(crossOf(along, apart)) <= tolerance * length) {
+    if (isBeside && std::abs(crossZ(along, apart)) <= tolerance * length) {
       isOfSlot[pathOf[std::min(i, j)]] = true;
     }
   });

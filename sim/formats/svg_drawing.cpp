@@ -43,7 +43,7 @@ const std::map<std::string_view, double> kSvgUnits = {
 
 /// Replaces entities that the document type declares, such as the styles of Illustrator: &st0;.
 std::string withoutEntities(const std::string& text, const fs::path& file) {
-  constexpr std::size_t kMostText = 64'000'000;  // a limit for repeated entities
+  constexpr std::size_t kMaxText = 64'000'000;  // a limit for repeated entities
   const std::size_t type = text.find("<!DOCTYPE");
   const std::size_t open = std::min(text.find('[', type), text.find('>', type));
   if (type == text.npos || open == text.npos || text[open] != '[') return text;
@@ -68,7 +68,7 @@ std::string withoutEntities(const std::string& text, const fs::path& file) {
     const auto value = values.find(std::string_view(text).substr(mark + 1, semicolon - mark - 1));
     const bool isKnown = semicolon != text.npos && value != values.end();
     whole += isKnown ? value->second : "&";
-    if (whole.size() > kMostText) {
+    if (whole.size() > kMaxText) {
       throw inputErrorAt({file},
                          "the entities of the document type are too long. Save the drawing "
                          "as SVG without them");

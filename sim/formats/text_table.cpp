@@ -142,7 +142,7 @@ bool readNumber(std::string_view text, double& value) {
   }
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::invalid_argument || end != text.data() + text.size()) return false;
-  // Zero for a number below the least one, an infinity for one above the largest.
+  // Zero for a number below the smallest one, an infinity for one above the largest.
   if (error == std::errc::result_out_of_range)
     value = std::strtod(std::string(text).c_str(), nullptr);
   return true;

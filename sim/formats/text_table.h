@@ -42,7 +42,7 @@ class TextTable {
 
   /// Reads the whole file. `purpose` ends the message about a missing file: its expected contents.
   /// Throws InputError if the file is missing, unreadable, not a regular file, or larger than
-  /// kMostTextBytes.
+  /// kMaxTextBytes.
   TextTable(std::filesystem::path file, const std::string& purpose,
             Comments comments = Comments::Skip);
 
@@ -82,7 +82,8 @@ std::string readPlainText(const std::filesystem::path& file, const std::string& 
 inline constexpr double kMaxCoordinate = 1e15;
 
 /// Reads a number, also with a leading plus or a Fortran exponent (1.0D+00). False if the text is
-/// not completely a number. Above the largest double it gives an infinity, below the least one 0.
+/// not completely a number. Above the largest double it gives an infinity, below the smallest one
+/// 0.
 bool readNumber(std::string_view text, double& value);
 
 /// Whether a word is a missing number: NaN in upper or lower case, with or without a sign.

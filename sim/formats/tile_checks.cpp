@@ -28,7 +28,7 @@ namespace {
 // distance in the available models: 4e-3 (mobius).
 constexpr double kSameVertex = 1e-9;
 // Minimum area as a fraction of the squared diameter. Smallest in real designs: 0.13 (stampfli24).
-constexpr double kLeastArea = 1e-6;
+constexpr double kMinArea = 1e-6;
 // Largest distance of a vertex from its tile's plane as a fraction of the diameter. It admits
 // optimised designs. Largest in real designs: 1.4e-5 (sphere-to-saddle).
 constexpr double kFlatness = 1e-2;
@@ -53,11 +53,11 @@ double diameter(const model::Tile& tile) {
 /// Limits the cost of the later checks, which compare all pairs of a tile's vertices.
 void checkVertexCount(const TileTable& table, int tile) {
   const std::size_t count = table.tiles[tile].vertices.size();
-  if (count <= model::kMostTileVertices) return;
+  if (count <= model::kMaxTileVertices) return;
   throw inputErrorAt(table.at(tile),
                      fmt::format("tile {} has {} vertices, at most {} are allowed; "
                                  "split it into convex tiles",
-                                 table.countsFrom + tile, count, model::kMostTileVertices));
+                                 table.countsFrom + tile, count, model::kMaxTileVertices));
 }
 
 /// Whether the outline goes to a hole and back along one line, at two vertices with equal
@@ -101,7 +101,7 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
 
 // Relative to the square of the diameter. This rejects needles of any size.
 void checkArea(const TileTable& table, int tile, double extent) {
-  if (model::tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
+  if (model::tileArea(table.tiles[tile]) > kMinArea * extent * extent) return;
   throw inputErrorAt(
       table.at(tile),
       fmt::format(

@@ -34,10 +34,10 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
 // Less damping would not change a step. Some is needed, since W^T W may be singular.
-constexpr double kLeastDamping = 1e-9;
+constexpr double kMinDamping = 1e-9;
 // Smaller steps are rounding, for tiles of size about 1.
 constexpr double kSmallStep = 1e-10;
-constexpr double kLeastViolation = 1e-13;
+constexpr double kMinViolation = 1e-13;
 
 DesignEquations equationsAt(const DesignSource& source, const Vector& unknowns) {
   DesignEquations equations;
@@ -141,7 +141,7 @@ class Descent {
     // The penalty never decreases, which keeps merits of different rounds comparable.
     penalty_ = std::max(penalty_, 2 * largest(solution.multipliers));
     if (search(solution.step)) {
-      damping_ = std::max(kLeastDamping, 0.3 * damping_);
+      damping_ = std::max(kMinDamping, 0.3 * damping_);
       done_ = largest(solution.step) < kSmallStep;
     } else {
       damping_ *= 10;
@@ -194,7 +194,7 @@ Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettin
   for (int round = 0; round < 10; ++round) {
     const DesignEquations equations = equationsAt(source, fit.unknowns);
     fit.violation = largest(equations.exact.values());
-    if (!(fit.violation > kLeastViolation)) break;
+    if (!(fit.violation > kMinViolation)) break;
     fit.unknowns += system
                         .solve(identity(size, 1), equations.exact.slopes(size), 1e-12,
                                Vector::Zero(size), equations.exact.values())

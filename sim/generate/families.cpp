@@ -35,7 +35,7 @@ namespace {
 constexpr double kExactModel = 1e-9;
 // Allowed overlap, as a fraction of a tile. Neighbours in a closed sheet touch up to rounding.
 constexpr double kTouchingTiles = 1e-7;
-// The least sine of a corner of a generated tile.
+// The smallest sine of a corner of a generated tile.
 constexpr double kConvex = 1e-3;
 
 using Parameters = std::vector<FamilyParameter>;
@@ -466,7 +466,8 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
   if (!(model::largestJointGap(model.joints, tiles) <= kExactModel * size))
     return "joints do not close";
   if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size)) return "tiles are not flat";
-  if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex)) return "tiles are not convex";
+  if (!isConcave && !(trajectory::smallestCornerSine(tiles) >= kConvex))
+    return "tiles are not convex";
   const auto crossed = std::ranges::find_if(
       tiles, [](const model::Tile& tile) { return formats::crossingSides(tile).has_value(); });
   if (crossed != tiles.end())

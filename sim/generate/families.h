@@ -10,8 +10,7 @@
 
 namespace kirireel::generate {
 
-/// A parameter of a family's models. Lengths are in metres, angles in
-/// degrees.
+/// A parameter of a family's models. Lengths are in metres, angles in degrees.
 struct FamilyParameter {
   std::string name;         ///< e.g. "columns"
   std::string unit;         ///< for the help, e.g. "METRES"
@@ -49,8 +48,7 @@ struct Family {
   bool isConcave = false;  ///< whether its tiles need not be convex
 };
 
-/// All families, in the order of the help.
-/// The list has static lifetime.
+/// All families, in the order of the help. The list has static lifetime.
 const std::vector<Family>& families();
 
 /// The family with this name. Throws InputError with the list of existing names.
@@ -71,11 +69,10 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
 //
 // In a sheet of two kinds of tiles that turn against each other, only the joints determine the
 // motion. A tile may have any outline between two joined corners. If one kind has bulges on its
-// sides and the other has matching bays, the closed sheet stays closed.
-// Two tiles turn about one end of their common side. Let (x, y) be a point of the bulge, x along
-// the side from the joint and y out of it. The point leaves the bay without collision if the wall's
-// normal n there fulfils n . (-y, x) >= 0. The generator checks whether the tiles of a state
-// overlap.
+// sides and the other has matching bays, the closed sheet stays closed. Two tiles turn about one
+// end of their common side. Let (x, y) be a point of the bulge, x along the side from the joint and
+// y out of it. The point leaves the bay without collision if the wall's normal n there fulfils n .
+// (-y, x) >= 0. The generator checks whether the tiles of a state overlap.
 
 /// A corner to insert into each side.
 struct SidePoint {

@@ -113,8 +113,8 @@ struct TessellationShape {
 };
 
 /// The tessellation with its target and its joints. The tile in a column and row has the number
-/// column * rows + row. Its vertices are anticlockwise from the bottom left.
-/// Throws InputError for counts, lengths or angles out of range.
+/// column * rows + row. Its vertices are anticlockwise from the bottom left. Throws InputError for
+/// counts, lengths or angles out of range.
 model::Model makeTessellation(const TessellationShape& shape);
 
 /// Its tiles at one opening angle theta, centred on the origin. Even tiles (column + row even) are

@@ -125,14 +125,13 @@ void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& desir
 
 /// Adds that every quad has the same shape in both states: the inner products of its edges from
 /// corner 0 with each other and with the diagonal. (Edge lengths and one diagonal would allow the
-/// quad to fold over.)
-/// Both states have the same tiles; five equations a tile, in m^2. A quad in the plane needs the
-/// same number.
+/// quad to fold over.) Both states have the same tiles; five equations a tile, in m^2. A quad in
+/// the plane needs the same number.
 void addCongruence(EquationRows& rows, const StateUnknowns& a, const StateUnknowns& b,
                    const Eigen::VectorXd& unknowns);
 
-/// Adds that every quad of a state in space is planar.
-/// One equation a tile, in m^3. `state` has three dimensions.
+/// Adds that every quad of a state in space is planar. One equation a tile, in m^3. `state` has
+/// three dimensions.
 void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::VectorXd& unknowns);
 
 // ------------------------------------------------------------------------------------------------

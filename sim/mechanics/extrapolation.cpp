@@ -9,8 +9,9 @@
 // tolerance. The work of the loads is summed in each row and extrapolated in the same form. Its
 // difference from the change of energy is an additional error of the step. After each row the step
 // is taken, rejected or continued by the rules of SEULEX. The next step has the length and order of
-// the least cost per second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996,
-// IV.9; constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
+// the smallest cost per second. Hairer and Wanner, Solving Ordinary Differential Equations II,
+// 1996, IV.9; constraints: Lubich, Extrapolation integrators for constrained multibody systems,
+// 1991.
 #include "sim/mechanics/extrapolation.h"
 
 #include <algorithm>
@@ -24,12 +25,12 @@ namespace {
 // These constants are those of the SEULEX code and its description, except for kFirst, kShortest,
 // kRejections and kSticking, which were chosen here.
 constexpr int kFewestRows = 2;
-constexpr int kMostRows = 8;  // with more rows, rounding errors dominate
+constexpr int kMaxRows = 8;  // with more rows, rounding errors dominate
 // Safety factors of the step length, and limits of its change.
 constexpr double kSafety = 0.94;
 constexpr double kAim = 0.65;
-constexpr double kLeastStepFactor = 0.02;
-constexpr double kMostFactor = 20;
+constexpr double kMinStepFactor = 0.02;
+constexpr double kMaxFactor = 20;
 // The order changes if the work per second falls by these factors.
 constexpr double kFewer = 0.8;
 constexpr double kMore = 0.9;
@@ -62,7 +63,7 @@ double costOf(int rows) {
 /// The order to begin with, as in SEULEX.
 int firstOrder(double tolerance) {
   return std::clamp(static_cast<int>(std::lround(1.5 - 0.6 * std::log10(tolerance))), kFewestRows,
-                    kMostRows - 1);
+                    kMaxRows - 1);
 }
 
 /// The weights of the rows `first` to `last` of the table. Rows count from 1.
@@ -225,7 +226,7 @@ double Extrapolation::energyError(const Trial& trial) const {
   double desired = trial.energy;
   for (std::size_t j = 0; j < shares.size(); ++j) desired += shares[j] * trial.rows[j].given.work;
   const double energy = solver_.energy(trial.end);
-  const double most = std::max({mostEnergy_, trial.energy, energy});
+  const double most = std::max({maxEnergy_, trial.energy, energy});
   const double allowed = std::max(allowedEnergy(trial, most), energyRounding_);
   return most > 0 ? std::abs(energy - desired) / allowed : 0;
 }
@@ -242,7 +243,7 @@ void Extrapolation::estimate(Trial& trial) const {
   // H (kAim / error)^(1/order).
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
-      std::isfinite(error) ? std::clamp(factor, kLeastStepFactor, kMostFactor) : kLeastStepFactor;
+      std::isfinite(error) ? std::clamp(factor, kMinStepFactor, kMaxFactor) : kMinStepFactor;
   trial.errors.push_back(error);
   trial.lengths.push_back(bounded * trial.length);
   trial.costs.push_back(costOf(order) / std::min(trial.lengths.back(), settings_.longestStep));
@@ -334,7 +335,7 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
 /// Adds the errors that rounding allowed this step beyond the tolerance.
 void Extrapolation::countRounding(const Trial& trial, StepReport& report) const {
   report.rounding += (slack_ - 1) * settings_.tolerance * settings_.lengthScale;
-  const double allowed = allowedEnergy(trial, mostEnergy_);
+  const double allowed = allowedEnergy(trial, maxEnergy_);
   report.energyRounding += std::max(allowed, energyRounding_) - allowed / slack_;
 }
 
@@ -357,7 +358,7 @@ void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
     best = taken + 1;
   }
   if (wasRejected) best = std::min(best, taken);
-  best = std::clamp(best, kFewestRows, kMostRows - 1);
+  best = std::clamp(best, kFewestRows, kMaxRows - 1);
   double length = best <= taken ? trial.lengths[static_cast<std::size_t>(best)]
                                 : trial.lengths.back() * costOf(best) / costOf(taken);
   if (wasRejected) length = std::min(length, trial.length);
@@ -368,7 +369,7 @@ void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
 /// Sets order and length after a rejected step.
 void Extrapolation::chooseAgain(const Trial& trial) {
   if (trial.errors.size() <= 2) {
-    length_ = kLeastStepFactor * trial.length;
+    length_ = kMinStepFactor * trial.length;
     return;
   }
   int best = std::min(trial.order(), order_);
@@ -421,7 +422,7 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
     Motion allowed = motion;
     solver_.collide(allowed);
     energy = solver_.energy(allowed);
-    mostEnergy_ = std::max(mostEnergy_, energy);
+    maxEnergy_ = std::max(maxEnergy_, energy);
     energyRounding_ = std::max(energyRounding_, roundingOf(allowed, energy));
   }
   while (true) {

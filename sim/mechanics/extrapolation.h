@@ -50,7 +50,7 @@ class Extrapolation {
   /// Returns the length of the step, seconds. Returns nothing, with an unchanged motion, if
   /// `mayTake` refuses the step or if no step above the minimum length keeps the tolerance,
   /// as in states with singular joints. Tolerances below 1e-6 may be less than rounding errors:
-  /// then the step keeps the least multiple by a power of ten that it can, see
+  /// then the step keeps the smallest multiple by a power of ten that it can, see
   /// StepReport::rounding. `mayTake` may be empty. Costs 1 + 2 + ... + k Euler steps for a step of
   /// k rows, each with one factorisation, and one closing of the joints.
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
@@ -61,7 +61,7 @@ class Extrapolation {
 
   /// The length and order of the next step, the maximum energy and rounding so far, and the slack.
   void transfer(StateTape& tape) {
-    tape.transfer(length_, order_, mostEnergy_, energyRounding_, slack_);
+    tape.transfer(length_, order_, maxEnergy_, energyRounding_, slack_);
   }
 
  private:
@@ -100,7 +100,7 @@ class Extrapolation {
   bool isSupported_ = false;
   double length_;              // of the next step, seconds
   int order_;                  // of the next step: expected number of rows
-  double mostEnergy_ = 0;      // maximum so far, joules
+  double maxEnergy_ = 0;       // maximum so far, joules
   double slack_ = 1;           // of the tolerance where rounding errors are larger
   double energyRounding_ = 0;  // of an energy, maximum so far, joules
 };

@@ -165,7 +165,7 @@ namespace {
 constexpr double kSpeedTolerance = 1e-10;  // of joint rows, times the speed of the fastest brick
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, times the same
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round
-constexpr double kSlow = 1e-3;                   // least speed in these tolerances
+constexpr double kSlow = 1e-3;                   // smallest speed in these tolerances
 constexpr double kWorkTolerance = 1e-6;          // of impulses, times the work of the loads
 constexpr double kRecovery = 2e-6;               // largest correction of an overlap in a step
 constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
@@ -179,11 +179,11 @@ constexpr int kContactRounds = 25;
 constexpr double kBoundTolerance = 1e-7;
 constexpr int kFrictionRounds = 20;
 constexpr double kTouching = 1e-6;  // largest gap of points with friction
-// Newton's method for forces between pairs: most rounds, relative change of speed at its end, and
-// smallest fraction of a Newton step.
+// Newton's method for forces between pairs: maximum number of rounds, relative change of speed at
+// its end, and smallest fraction of a Newton step.
 constexpr int kPairRounds = 20;
 constexpr double kPairTolerance = 1e-8;
-constexpr double kLeastShare = 1e-6;
+constexpr double kMinShare = 1e-6;
 
 }  // namespace
 
@@ -538,7 +538,7 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
     if (!solveVelocities(start)) return false;
     const Vector change = program_.x - known;
     double share = 1, potential = system_.potential(step, program_.x);
-    while (potential > least && share > kLeastShare && program_.exactJoints) {
+    while (potential > least && share > kMinShare && program_.exactJoints) {
       share *= 0.5;
       potential = system_.potential(step, known + share * change);
     }

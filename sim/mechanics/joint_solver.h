@@ -151,7 +151,7 @@ class JointSolver {
   /// Current stiffness of the joints, N/m; infinity: exact.
   virtual double jointStiffness() const = 0;
 
-  /// Closes the joints of an open state with the least displacement in the metric of the masses.
+  /// Closes the joints of an open state with the smallest displacement in the metric of the masses.
   /// Returns the largest remaining gap, metres.
   virtual double assemble(Poses& poses) = 0;
 

@@ -38,7 +38,7 @@ using Matrix = LoadedSheet::Matrix;
 // Heavier constraints have larger rounding errors. They are used only for nearly redundant
 // constraints, as in almost closed sheets, if the default weight is too small compared with the
 // forces in the sheet.
-constexpr double kMostPenalty = 1e12;
+constexpr double kMaxPenalty = 1e12;
 constexpr double kHeavier = 1e2;
 constexpr int kRefinements = 20;
 constexpr double kRefined = 1e-13;           // of the right side
@@ -49,7 +49,7 @@ constexpr int kFewRounds = 4;              // up to this number, the next step m
 constexpr double kLongestFirstMove = 0.3;  // per round during the search for the first equilibrium
 constexpr int kRelaxations = 500;
 constexpr double kFirstShift = 1e-3;  // relative to the stiffest spring, if the energy falls
-constexpr double kMostShift = 1e6;
+constexpr double kMaxShift = 1e6;
 constexpr double kShortestStep = 1e-7;  // over the longest
 // Maximum deviation of a step from its prediction: positions relative to the step, energy and
 // forces relative to their change. All of them also have a tolerance relative to the stiffest
@@ -96,7 +96,7 @@ class Equations {
   void makeConvex() {
     Matrix identity(H_.rows(), H_.cols());
     identity.setIdentity();
-    for (double shift = kFirstShift * scale_; negatives() > 0 && shift < kMostShift * scale_;
+    for (double shift = kFirstShift * scale_; negatives() > 0 && shift < kMaxShift * scale_;
          shift *= 4) {
       H_ += shift * identity;
       factorise(weight_);
@@ -123,7 +123,7 @@ class Equations {
   Change solve(const Vector& forces, const Vector& gaps) {
     double best = weight_;
     Change found = refine(forces, gaps);
-    while (found.rest > kRefined && weight_ < kMostPenalty * scale_) {
+    while (found.rest > kRefined && weight_ < kMaxPenalty * scale_) {
       factorise(kHeavier * weight_);
       if (!isFactored()) break;
       Change heavier = refine(forces, gaps);
@@ -466,9 +466,9 @@ class Follower {
 
   // Ends a path that loops or reaches negative loads, and records the reason.
   bool mayContinue(const Point& point, int steps) {
-    if (steps >= settings_.mostSteps) {
+    if (steps >= settings_.maxSteps) {
       path_.trouble = fmt::format("the path has {} steps at the load {:.6g} and continues",
-                                  settings_.mostSteps, point.at.load);
+                                  settings_.maxSteps, point.at.load);
     } else if (point.at.load < kBackwards) {
       path_.trouble = "the path turns back to loads below -1";
     }
@@ -580,7 +580,7 @@ class Follower {
   bool noteBetween(const Point& from, const Point& to, const std::vector<Special>& turning) {
     std::vector<Special> all = turning;
     const int parts =
-        static_cast<int>(std::ceil(std::abs(to.at.load - from.at.load) * settings_.leastStates));
+        static_cast<int>(std::ceil(std::abs(to.at.load - from.at.load) * settings_.minStates));
     for (int k = 1; k < parts; ++k) {
       checkInterruption();
       std::optional<Point> middle = between(from, to, static_cast<double>(k) / parts);

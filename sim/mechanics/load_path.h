@@ -30,10 +30,10 @@ std::string toString(Turning turning);
 
 /// One equilibrium on the path.
 struct Equilibrium {
-  double load = 0;                    ///< >= 0; 1 is the whole load
-  Poses poses;                        ///< one per brick
-  Eigen::VectorXd coordinates;        ///< of the sheet, see LoadedSheet; empty in results of runs
-  double energy = 0;                  ///< of the springs, joules
+  double load = 0;              ///< >= 0; 1 is the whole load
+  Poses poses;                  ///< one per brick
+  Eigen::VectorXd coordinates;  ///< of the sheet, see LoadedSheet; empty in results of runs
+  double energy = 0;            ///< of the springs, joules
   /// Of each grip, see ElasticSheet, then of each sum over grips: metres or radians.
   std::vector<double> displacements;
   std::vector<double> forces;  ///< of the same, newtons or N m
@@ -165,8 +165,8 @@ struct LoadPathSettings {
   /// Longest step, in the root mean square of all tiles' moves (in length scales and radians) and
   /// the load.
   double longestStep = 0.05;
-  int mostSteps = 2000;  ///< limit for the whole path
-  int leastStates = 1;   ///< while the load grows by 1; does not change the path
+  int maxSteps = 2000;  ///< limit for the whole path
+  int minStates = 1;    ///< while the load grows by 1; does not change the path
   /// Sums to record, after the grips: for example the force along a direction.
   std::vector<GripSum> sums = {};
 };
@@ -177,9 +177,9 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 /// Follows the equilibria of a sheet from the one near its start, at load 0, to load 1. Limit
 /// points and bifurcations are located and recorded as separate states. Branches are not followed.
 /// `leading`: the index of the grip whose force and stiffness are reported, or the number of grips
-/// plus the index of a sum. Throws RunError if no
-/// equilibrium is found at load 0, or if the sheet can move there without resistance. Each state
-/// costs a few sparse factorisations of the Hessian. The sheet must outlive the call.
+/// plus the index of a sum. Throws RunError if no equilibrium is found at load 0, or if the sheet
+/// can move there without resistance. Each state costs a few sparse factorisations of the Hessian.
+/// The sheet must outlive the call.
 LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
                     const EquilibriumObserver& observer);
 

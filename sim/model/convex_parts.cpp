@@ -37,14 +37,10 @@ constexpr double kPartCorner = 1e-3;
 // A corner with a larger sine turns left and can be an ear.
 constexpr double kEar = 1e-9;
 
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// The sine of the turn at b from the side a-b to b-c: positive to the left.
 double turnSine(const Vector2& a, const Vector2& b, const Vector2& c) {
   const Vector2 before = b - a, after = c - b;
-  return cross(before, after) / (before.norm() * after.norm());
+  return crossZ(before, after) / (before.norm() * after.norm());
 }
 
 std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& normal) {
@@ -65,7 +61,7 @@ bool holds(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& 
   // The tolerance is an area relative to the squared side. A corner on a side counts as inside,
   // which prevents an ear through a touching corner.
   const auto isLeft = [&](const Vector2& from, const Vector2& to) {
-    return cross(to - from, p - from) >= -1e-12 * (to - from).squaredNorm();
+    return crossZ(to - from, p - from) >= -1e-12 * (to - from).squaredNorm();
   };
   return isLeft(a, b) && isLeft(b, c) && isLeft(c, a);
 }
@@ -211,8 +207,8 @@ double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vect
       std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
   // Two segments cross if the ends of each lie on both sides of the other, and at one point. Of
   // segments on one line the sides are rounding, and these points are apart.
-  const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
-  const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
+  const double ofC = crossZ(b - a, c - a), ofD = crossZ(b - a, d - a);
+  const double ofA = crossZ(d - c, a - c), ofB = crossZ(d - c, b - c);
   if ((ofC > 0) == (ofD > 0) || (ofA > 0) == (ofB > 0)) return ofEnds;
   const Vector2 onFirst = a + ofA / (ofA - ofB) * (b - a);
   const Vector2 onSecond = c + ofC / (ofC - ofD) * (d - c);
@@ -246,7 +242,7 @@ std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corner
     // The next side runs back along this one.
     const Vector2 along = at(i + 1) - at(i), next = at(i + 2) - at(i + 1);
     const bool turnsBack =
-        along.dot(next) < 0 && std::abs(cross(along, next)) < 1e-9 * along.norm() * next.norm();
+        along.dot(next) < 0 && std::abs(crossZ(along, next)) < 1e-9 * along.norm() * next.norm();
     if (turnsBack) return std::pair{i, (i + 1) % count};
     // Sides i and i + 1 share a corner, which is allowed. Compares all pairs: O(n^2), n <= 300.
     for (int j = i + 2; j < count; ++j) {
@@ -298,7 +294,7 @@ void appendHalf(Iterator begin, Iterator end, double flatness, std::vector<Vecto
   for (Iterator point = begin; point != end; ++point) {
     while (outline.size() > first + 1) {
       const Vector2 along = outline.back() - outline[outline.size() - 2];
-      if (cross(along, *point - outline.back()) > flatness * along.norm()) break;
+      if (crossZ(along, *point - outline.back()) > flatness * along.norm()) break;
       outline.pop_back();
     }
     outline.push_back(*point);

@@ -22,7 +22,7 @@ namespace kirireel::model {
 //    with the largest minimum sine is cut off first, which avoids unnecessarily thin triangles. n
 //    corners give n - 2 triangles in O(n^3), n <= 300.
 // 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal is removed if both its ends stay convex. The
-//    result has at most four times the least number of parts.
+//    result has at most four times the minimum number of parts.
 //
 // All corners are kept, including those within a straight side, since joints may use them.
 

@@ -26,16 +26,15 @@ struct RigidMotion {
 /// the same length, at least one point.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to);
 
-/// The same with weights, one per point, >= 0 and not all 0.
-/// Not checked: the result is undefined for other lengths or a weight sum of 0.
+/// The same with weights, one per point, >= 0 and not all 0. Not checked: the result is undefined
+/// for other lengths or a weight sum of 0.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
                             std::span<const double> weights);
 
-/// Moves a model's start onto its target by the best rigid motion of all vertices together,
-/// as PyKirigami does. If some tiles are held at their position, only vertices of these
-/// `held` tiles count. If start and target lie in parallel planes, the rotation is
-/// only about their normal, without turning over. Returns the motion; identity without a
-/// target.
+/// Moves a model's start onto its target by the best rigid motion of all vertices together, as
+/// PyKirigami does. If some tiles are held at their position, only vertices of these `held` tiles
+/// count. If start and target lie in parallel planes, the rotation is only about their normal,
+/// without turning over. Returns the motion; identity without a target.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held = {});
 
 /// Moves a target state onto the model's start in the same way, and returns the motion. A flat

@@ -15,7 +15,7 @@
 namespace kirireel::model {
 
 /// Maximum number of vertices of a tile.
-inline constexpr std::size_t kMostTileVertices = 300;
+inline constexpr std::size_t kMaxTileVertices = 300;
 
 /// A planar polygon whose sides do not cross, convex or not: one line of vertices.txt.
 struct Tile {
@@ -110,8 +110,7 @@ struct FileOrder {
                                  ///< order; empty: no tile
 
   /// Converts a corner of the model to the file's vertex order, or back; zero-based in both. Uses
-  /// the vertex count of the corner's tile in `tiles`.
-  /// The corner must exist.
+  /// the vertex count of the corner's tile in `tiles`. The corner must exist.
   Corner across(const Corner& corner, const std::vector<Tile>& tiles) const;
   /// The model's corner for a corner with the file's numbers.
   Corner toModel(const Corner& numbered, const std::vector<Tile>& tiles) const;
@@ -181,7 +180,7 @@ struct Model {
 inline constexpr double kClosedShare = 1e-10;
 
 /// Largest misfit of the corners or joints of tiles that count as fitting, in tiles.
-inline constexpr double kMostMisfit = 1e-4;
+inline constexpr double kMaxMisfit = 1e-4;
 
 /// Multiplies all lengths of the model by a factor > 0.
 void scaleLengths(Model& model, double factor);
@@ -197,13 +196,12 @@ Model inFileOrder(Model model);
 /// The same for tiles in any state.
 std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order);
 
-/// A rigid connection of two different tiles at their current positions.
-/// Its corners are the first corner of each tile. `apart` is the current vector between them.
+/// A rigid connection of two different tiles at their current positions. Its corners are the first
+/// corner of each tile. `apart` is the current vector between them.
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);
 
-/// A link between two different corners of different tiles. Two corners at the same
-/// point would give a link of zero length without a direction. The caller excludes
-/// them.
+/// A link between two different corners of different tiles. Two corners at the same point would
+/// give a link of zero length without a direction. The caller excludes them.
 Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b);
 
 /// The pivot as a joint of this kind between the same tiles at their current positions.
@@ -217,21 +215,19 @@ const char* kindName(const Joint& joint);
 /// non-planar tiles.
 Vector3 tileNormal(const Tile& tile);
 
-/// Area of a tile, square metres, >= 0.
-/// Works for concave tiles.
+/// Area of a tile, square metres, >= 0. Works for concave tiles.
 double tileArea(const Tile& tile);
 
-/// The centroid of a tile's area. It can lie outside a concave tile.
-/// Undefined for a tile without area.
+/// The centroid of a tile's area. It can lie outside a concave tile. Undefined for a tile without
+/// area.
 Vector3 tileCentroid(const Tile& tile);
 
-/// Diagonal of the bounding box of the start state, metres. Relative tolerances refer to
-/// this length. 0 for a model without tiles. The cost is linear in the number of
-/// vertices.
+/// Diagonal of the bounding box of the start state, metres. Relative tolerances refer to this
+/// length. 0 for a model without tiles. The cost is linear in the number of vertices.
 double modelSize(const Model& model);
 
-/// Mean edge length over all tiles, metres. Messages call this length the tile size.
-/// 0 for a model without tiles.
+/// Mean edge length over all tiles, metres. Messages call this length the tile size. 0 for a model
+/// without tiles.
 double tileSize(const Model& model);
 
 /// The largest distance between the two corners of a pivot, metres; 0 if there are none. Links and
@@ -250,8 +246,8 @@ std::vector<int> piecesOf(const Model& model);
 /// degrees. Both states have the same tiles.
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
-/// Whether all vertices have the same height, to the tolerance in metres.
-/// The height of the first vertex is the reference. Requires at least one tile.
+/// Whether all vertices have the same height, to the tolerance in metres. The height of the first
+/// vertex is the reference. Requires at least one tile.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 
 // ------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostSteps = 25;
+constexpr int kMaxSteps = 25;
 // Initial slacks over the largest bound; initial multipliers over the largest gradient.
 constexpr double kFirst = 1e-2;
 // The price of a violated constraint, over the largest gradient.
@@ -78,7 +78,7 @@ class InteriorPoint {
     multiplier_ = ArrayXd::Constant(count_, kFirst * size_);
     other_ = kPrice * size_ - multiplier_;
     int steps = 0;
-    while (steps < kMostSteps && !isSolved()) {
+    while (steps < kMaxSteps && !isSolved()) {
       checkInterruption();
       ++steps;
       if (!step()) return {{}, steps};

@@ -33,9 +33,9 @@ namespace {
 
 constexpr double kStepsToExtension = 60;
 // If closing the joints moves a step by more than this fraction, the step is halved.
-constexpr double kMostCorrection = 0.1;
+constexpr double kMaxCorrection = 0.1;
 // The search fails if a step is shorter than this fraction of a tile.
-constexpr double kLeastStep = 1e-7;
+constexpr double kMinStep = 1e-7;
 // Steps grow by this factor.
 constexpr double kLongerStep = 1.3;
 // If steps are shorter than this fraction of the step before, its secant is too far from the
@@ -99,9 +99,9 @@ class ClosingPath {
       const Poses predicted = tried;
       const bool isClosed = close(tried);
       const double off = run::pathDistance(metric_, predicted, tried);
-      if (!isClosed || off > kMostCorrection * step) {
+      if (!isClosed || off > kMaxCorrection * step) {
         step *= 0.5;
-        if (step < kLeastStep * tile_) throw stopped();
+        if (step < kMinStep * tile_) throw stopped();
         if (step < kShorterStep * made) takeNearerBefore(step / made, earlier);
         continue;
       }

@@ -59,7 +59,7 @@ namespace {
 // Lengths below are fractions of a tile or of a state. "State" as a length is the distance between
 // two consecutive states of the path.
 constexpr double kStateShare = 0.02;
-constexpr double kMostStates = 200;
+constexpr double kMaxStates = 200;
 // The jump off the start may be this many times longer than that of its guide, plus one state.
 constexpr double kLongestJump = 4;
 // Without a jump, progress starts with this value and grows by this factor from state to state.
@@ -83,14 +83,14 @@ constexpr int kStuckPlaces = 8;
 constexpr double kFarError = 1e-6;
 // If a move fails, is too long or increases the distance, its aim is halved, down to these
 // fractions of the distance. The aim of later moves grows again by kAimGrowth.
-constexpr double kLeastAim = 1e-6;
-constexpr double kLeastGood = 1.0 / 16;
+constexpr double kMinAim = 1e-6;
+constexpr double kMinGood = 1.0 / 16;
 constexpr double kAimGrowth = 1.5;
 // Tolerance for changes of distance, as a fraction of the distance or of a tile.
 constexpr double kNoFarther = 1e-6;
 // Extension: maximum distance of the aim, in states, and the fraction below which bricks are stuck.
 constexpr double kReach = 5;
-constexpr double kLeastReach = 1e-6;
+constexpr double kMinReach = 1e-6;
 // Extension: the first aim is this fraction of the maximum distance away. An aim is at most kWider
 // times farther from the centre than the state.
 constexpr double kFirstReach = 1e-3;
@@ -101,11 +101,11 @@ constexpr double kRadiusStates = 100;
 // The last move of a path has at least this fraction of a state.
 constexpr double kResting = 0.5;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
-constexpr int kMostExtending = 2000;
+constexpr int kMaxExtending = 2000;
 // Refinement of the maximum: moves that are mixed, moves without a shorter one at which it ends,
 // and the largest distance, in states.
 constexpr int kMixedMoves = 12;
-constexpr int kMostVainMoves = 10;
+constexpr int kMaxVainMoves = 10;
 constexpr double kFarthestRefined = 0.5;
 // Moves stop below this fraction of the coordinates' rounding.
 constexpr double kNoDigit = 0.1;
@@ -280,8 +280,8 @@ class Mechanism {
       // Among contacts the solver has already halved a failed move.
       const bool isGood = (report.unconverged == 0 || isTouching()) &&
                           (!isExact() || after <= (1 + kNoFarther) * before + kNoFarther * tile_);
-      const bool isTaken = isGood || (moved > 0 && aim_ <= kLeastGood);
-      if ((isTaken && !(moved > longest)) || aim_ <= kLeastAim) {
+      const bool isTaken = isGood || (moved > 0 && aim_ <= kMinGood);
+      if ((isTaken && !(moved > longest)) || aim_ <= kMinAim) {
         if (isFirst) aimNext(report, before, distance(poses, motion.poses), after);
         poses = std::move(motion.poses);
         return moved;
@@ -360,7 +360,7 @@ class Continuation {
     const PathGuide guide(mechanism_.bricks(), std::move(states));
     path_.guideLength = guide.length();
     const double count =
-        std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
+        std::clamp(path_.guideLength / (kStateShare * tile_), kMinStates, kMaxStates);
     stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
       if (settings_.jump > 0 && !settings_.areJointsCompliant()) jump(guide);
@@ -449,7 +449,7 @@ class Continuation {
     double reached = extent(poses_, pieces_);
     Poses last = poses_;
     int gains = 0;  // consecutive gains
-    for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayContinue(); ++i) {
+    for (int i = 0; i < kMaxExtending && part > kMinReach * widest && mayContinue(); ++i) {
       // The momentum grows with the number of consecutive gains.
       const double momentum = gains / (gains + 3.0);
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
@@ -481,7 +481,7 @@ class Continuation {
     Poses at = poses_, best = poses_;
     double least = std::numeric_limits<double>::infinity();
     Mixing mixing;
-    for (int vain = 0; vain < kMostVainMoves && mayContinue(); ++vain) {
+    for (int vain = 0; vain < kMaxVainMoves && mayContinue(); ++vain) {
       Poses moved = mechanism_.step(at, spread(at, pieces_, ascent_), budget_);
       if (isRounded()) mechanism_.settle(moved, budget_);
       mechanism_.restore(symmetries_, moved);

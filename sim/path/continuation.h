@@ -17,7 +17,7 @@
 namespace kirireel::path {
 
 /// Minimum number of states along a guide.
-inline constexpr double kLeastStates = 60;
+inline constexpr double kMinStates = 60;
 
 /// Settings of path following.
 struct ContinuationSettings {

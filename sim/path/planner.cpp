@@ -409,10 +409,10 @@ class Planner {
   }
 
   /// Limits the search by the work of the first candidate. If this was stuck early, its work is
-  /// scaled to kLeastStates states.
+  /// scaled to kMinStates states.
   void limitBudget() {
     const auto states = static_cast<double>(planned_.path->path.states.size());
-    const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
+    const double work = planned_.candidates.front().work * std::max(1.0, kMinStates / states);
     budget_.limitByFirst(work, scene_.path.searchEffort);
     smoothing_ = run::SearchBudget(kSmoothingShare * budget_.left());
   }

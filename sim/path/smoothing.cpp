@@ -58,42 +58,42 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Lengths are fractions of a tile. Larger sheets are not improved: the null space by QR is
 // O(bricks^3), and all pairs are listed.
-constexpr std::size_t kMostBricks = 250;
+constexpr std::size_t kMaxBricks = 250;
 constexpr int kIntervals = 60;          // between the states that are improved
 constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
-constexpr double kLeastFinal = 120;     // minimum number of intervals of the result
-constexpr double kMostFinal = 400;
+constexpr double kMinFinal = 120;       // minimum number of intervals of the result
+constexpr double kMaxFinal = 400;
 // States are inserted down to this spacing, as a fraction of the path. Bricks that still overlap
 // there are on different sides of a corner: states down to the second spacing lead around it.
-constexpr double kLeastSpacing = 1e-5;
-constexpr double kLeastSpacingAtCorners = 1e-6;
-constexpr int kSmoothingRounds = 12;     // maximum number of accepted rounds
-constexpr int kSmoothingTries = 24;      // maximum number of tried rounds
-constexpr double kLeastRoundGain = 0.1;  // of the energy; a smaller gain ends the rounds
+constexpr double kMinSpacing = 1e-5;
+constexpr double kMinSpacingAtCorners = 1e-6;
+constexpr int kSmoothingRounds = 12;   // maximum number of accepted rounds
+constexpr int kSmoothingTries = 24;    // maximum number of tried rounds
+constexpr double kMinRoundGain = 0.1;  // of the energy; a smaller gain ends the rounds
 // A path is smooth enough if no brick's step changes by more than this fraction of the typical
 // step.
 constexpr double kSmoothEnough = 0.05;
 // Parts of the result with larger changes are improved again.
 constexpr double kRough = 0.25;
-constexpr std::size_t kRoughMargin = 10;       // states on both sides of a rough part of the result
-constexpr std::size_t kHalvedMargin = 5;       // the same where bricks overlap between states
-constexpr int kHalvings = 3;                   // of the spacing there
-constexpr int kModes = 24;                     // maximum number of modes of openings
-constexpr double kWaves = 16;                  // an opening costs as much as a wave of equal size
-constexpr double kMargin = 0.1;                // of gaps in the program
-constexpr double kPushMargin = 0.03;           // the same while bricks are pushed apart
-constexpr double kPointReach = 1e-2;           // of the points of a pair
-constexpr double kOverlap = 1e-5;              // overlap that is ignored
-constexpr double kFinalOverlap = 1e-5;         // the same in the result
-constexpr double kMostOverlap = 4 * kOverlap;  // limit for an accepted round
+constexpr std::size_t kRoughMargin = 10;      // states on both sides of a rough part of the result
+constexpr std::size_t kHalvedMargin = 5;      // the same where bricks overlap between states
+constexpr int kHalvings = 3;                  // of the spacing there
+constexpr int kModes = 24;                    // maximum number of modes of openings
+constexpr double kWaves = 16;                 // an opening costs as much as a wave of equal size
+constexpr double kMargin = 0.1;               // of gaps in the program
+constexpr double kPushMargin = 0.03;          // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;          // of the points of a pair
+constexpr double kOverlap = 1e-5;             // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;        // the same in the result
+constexpr double kMaxOverlap = 4 * kOverlap;  // limit for an accepted round
 constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
 constexpr int kEarlyRounds = 4;
 constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
 constexpr int kPushes = 8;
 constexpr double kPriceOfPushing = 1e3;  // price of opening joints over that of moving
 constexpr double kFirstDamping = 6e-5;
-constexpr double kLeastDamping = 6e-9;
-constexpr double kMostDamping = 600;
+constexpr double kMinDamping = 6e-9;
+constexpr double kMaxDamping = 600;
 constexpr double kClosedByNewton =
     1e-11;  // tolerance of an open joint, to which Newton steps close states
 constexpr double kNewtonEnd = 1e-13;
@@ -105,7 +105,7 @@ constexpr double kOpenOnPath =
 constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
 constexpr double kRegular = 1e-12;  // added to J J', which redundant joints make singular
 // The budget must allow this many factorisations: about eight rounds.
-constexpr double kLeastFactorisations = 100;
+constexpr double kMinFactorisations = 100;
 
 /// The joints of a sheet and their derivatives with respect to u. u stacks the displacement dx and
 /// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
@@ -198,7 +198,7 @@ class Joints {
   std::vector<brick::Pivot> pivots_;
 };
 
-/// Moves of least length that change the gaps of joints by given amounts at one state. The
+/// Moves of smallest length that change the gaps of joints by given amounts at one state. The
 /// structure of J J' is the same at all states, so it is analysed once.
 class LeastMoves {
  public:
@@ -247,7 +247,7 @@ class Smoothing {
         shouldContinue_(shouldContinue),
         tile_(model::tileSize(scene.model)),
         isPlanar_(scene::sceneNeeds(scene).planar.on),
-        mostOpen_(found.path.isRounded ? run::roundedGap(scene.model) : kClosedByNewton * tile_),
+        maxOpening_(found.path.isRounded ? run::roundedGap(scene.model) : kClosedByNewton * tile_),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(brick::makePivots(scene.model.joints, bricks_)),
         joints_(bricks_, pivots_, isPlanar_),
@@ -366,7 +366,7 @@ class Smoothing {
       from = i;
     }
     free_ = static_cast<int>(least->cols());
-    const double cost = kLeastFactorisations * factorisationCost(count());
+    const double cost = kMinFactorisations * factorisationCost(count());
     // A single motion has one curve, which cannot be smoother.
     const int rigid = isPlanar_ ? 3 : 6;
     if (freedoms() < 2 + rigid || cost > budget_.left()) return false;
@@ -405,8 +405,8 @@ class Smoothing {
       const double before = energy_;
       if (!round(damping, tries, taken)) break;
       ++taken;
-      if (energy_ <= before && energy_ > (1 - kLeastRoundGain) * before) break;
-      if (isSmooth() && overlap_ <= kMostOverlap * tile_) break;
+      if (energy_ <= before && energy_ > (1 - kMinRoundGain) * before) break;
+      if (isSmooth() && overlap_ <= kMaxOverlap * tile_) break;
     }
     return taken > 0;
   }
@@ -632,7 +632,7 @@ class Smoothing {
   /// Tries rounds until one is accepted. Returns whether one was.
   bool round(double& damping, int& tries, int taken) {
     const BandedProgram program = programOf();
-    for (; tries > 0 && damping <= kMostDamping && !isOver();) {
+    for (; tries > 0 && damping <= kMaxDamping && !isOver();) {
       BandedProgram damped = program;
       for (MatrixXd& block : damped.hessian.diagonal) block.diagonal().array() += damping;
       const auto [y, factorisations] = solve(damped);
@@ -655,7 +655,7 @@ class Smoothing {
         const double factor = most < 0.5 * kLongestRoundMove ? 10
                               : most < kLongestRoundMove     ? 3
                                                              : 1;
-        damping = std::max(damping / factor, kLeastDamping);
+        damping = std::max(damping / factor, kMinDamping);
         return true;
       }
       damping *= 10;
@@ -670,17 +670,17 @@ class Smoothing {
     for (std::size_t i = first_ + 1; i < last_; ++i) {
       tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - first_ - 1]);
       const double gap = close(tried[i], isOpen_[i]);
-      if (gap > mostOpen_) return false;
+      if (gap > maxOpening_) return false;
       bases[i] = carriedOn(bases_[i], tried[i], isOpen_[i]);
       pushApart(tried[i], bases[i], isOpen_[i], kOverlap);
       makeSymmetric(tried[i], isOpen_[i]);
     }
     const double overlap = overlapOf(std::span(tried).subspan(first_, last_ - first_ + 1));
     const double energy = energyOf(tried);
-    const double allowed = std::max(
-        {kMostOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
+    const double allowed =
+        std::max({kMaxOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
     const bool isBetter = (energy < energy_ && overlap <= allowed) ||
-                          (overlap < 0.7 * overlap_ && overlap_ > kMostOverlap * tile_);
+                          (overlap < 0.7 * overlap_ && overlap_ > kMaxOverlap * tile_);
     if (!isBetter) return false;
     states_ = std::move(tried);
     bases_ = std::move(bases);
@@ -700,7 +700,7 @@ class Smoothing {
   void sampleFinely() {
     const std::vector<double> from = run::pathLengths(bricks_, states_);
     const double number =
-        std::clamp(std::ceil(from.back() / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
+        std::clamp(std::ceil(from.back() / (kFinalSpacing * tile_)), kMinFinal, kMaxFinal);
     std::vector<Poses> fine = {states_.front()};
     std::vector<MatrixXd> bases = {bases_.front()};
     std::vector<bool> areOpen = {isOpen_.front()};
@@ -792,11 +792,11 @@ class Smoothing {
     while (!next.empty()) {
       const auto& [length, poses] = next.back();
       const double spacing = (length - last) / from.back();
-      if (found.size() + next.size() < most && spacing > kLeastSpacingAtCorners &&
+      if (found.size() + next.size() < most && spacing > kMinSpacingAtCorners &&
           overlapsBetween(found.back(), poses)) {
         const std::array<Poses, 2> ends = {found.back(), poses};
         const double middle = 0.5 * (last + length);
-        next.emplace_back(middle, stateAt(from, middle, spacing > kLeastSpacing ? nullptr : &ends));
+        next.emplace_back(middle, stateAt(from, middle, spacing > kMinSpacing ? nullptr : &ends));
         continue;
       }
       last = length;
@@ -815,7 +815,7 @@ class Smoothing {
       return poses;
     };
     const std::array<Poses, 2> thirds = {closedAt(1.0 / 3), closedAt(2.0 / 3)};
-    const double deepest = std::max(overlapOf(std::array{from, to}), kMostOverlap * tile_);
+    const double deepest = std::max(overlapOf(std::array{from, to}), kMaxOverlap * tile_);
     return overlapOf(run::momentsThrough(from, thirds, to)) > deepest;
   }
 
@@ -851,7 +851,7 @@ class Smoothing {
   const PathObserver& shouldContinue_;
   double tile_;  // metres
   bool isPlanar_;
-  double mostOpen_;  // after Newton steps, metres
+  double maxOpening_;  // after Newton steps, metres
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
   Joints joints_;
@@ -876,7 +876,7 @@ std::optional<run::MechanismPath> smoothed(const scene::Scene& scene,
                                            scene::ContactFilter contacts, run::SearchBudget& budget,
                                            const PathObserver& shouldContinue) {
   const run::MechanismPath& old = found.path;
-  if (!(old.length() > 0) || old.states.front().size() > kMostBricks) return std::nullopt;
+  if (!(old.length() > 0) || old.states.front().size() > kMaxBricks) return std::nullopt;
   std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
   if (states.empty()) return std::nullopt;
   run::MechanismPath path = old;

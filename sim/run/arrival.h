@@ -6,28 +6,28 @@
 
 namespace kirireel::run {
 
-/// Largest multiple of the least known error that counts as arrived.
+/// Largest multiple of the smallest known error that counts as arrived.
 inline constexpr double kArrivalFactor = 1.05;
 /// Absolute tolerance in tiles, for targets that can be reached exactly.
 inline constexpr double kArrivalTolerance = 1e-6;
 /// Above this error, in tiles, a target is missed even if no nearer state is known.
 inline constexpr double kFarError = 0.1;
 
-/// The largest target error that counts as arrived, metres. `leastError`: the least known error
-/// with closed joints, metres; see AssembledState.
-inline double arrivalLimit(const model::Model& model, double leastError) {
-  return kArrivalFactor * leastError + kArrivalTolerance * model::tileSize(model);
+/// The largest target error that counts as arrived, metres. `smallestError`: the smallest known
+/// error with closed joints, metres; see AssembledState.
+inline double arrivalLimit(const model::Model& model, double smallestError) {
+  return kArrivalFactor * smallestError + kArrivalTolerance * model::tileSize(model);
 }
 
-/// Whether a target error, metres, equals the least known error within the tolerance.
-inline bool isNearest(const model::Model& model, double error, double leastError) {
-  return error <= arrivalLimit(model, leastError);
+/// Whether a target error, metres, equals the smallest known error within the tolerance.
+inline bool isNearest(const model::Model& model, double error, double smallestError) {
+  return error <= arrivalLimit(model, smallestError);
 }
 
 /// Whether a run with this target error, metres, has arrived: no nearer state is known, and the
 /// target is within reach.
-inline bool hasArrived(const model::Model& model, double error, double leastError) {
-  return isNearest(model, error, leastError) && error <= kFarError * model::tileSize(model);
+inline bool hasArrived(const model::Model& model, double error, double smallestError) {
+  return isNearest(model, error, smallestError) && error <= kFarError * model::tileSize(model);
 }
 
 }  // namespace kirireel::run

@@ -54,8 +54,8 @@ constexpr int kReweightings = 200;
 constexpr int kPatienceSteps = 25;
 constexpr double kGain = 1e-3;
 // Bounds on the spring weights, relative to the mean.
-constexpr double kLeastWeight = 1e-3;
-constexpr double kMostWeight = 30;
+constexpr double kMinWeight = 1e-3;
+constexpr double kMaxWeight = 30;
 
 /// Joined bricks pulled to their target by springs, step by step from rest.
 class Assembly {
@@ -204,7 +204,7 @@ class Assembly {
       sum += weights_[i];
     }
     const double even = static_cast<double>(weights_.size()) / sum;
-    for (double& weight : weights_) weight = std::clamp(even * weight, kLeastWeight, kMostWeight);
+    for (double& weight : weights_) weight = std::clamp(even * weight, kMinWeight, kMaxWeight);
   }
 
   // Takes reweighted steps as long as the error decreases.

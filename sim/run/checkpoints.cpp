@@ -27,7 +27,7 @@ constexpr const char* kFormat = "kirireel checkpoint 11";
 constexpr const char* kNumbers = "numbers";
 // 4 MB. Samples that wait for a checkpoint need at most this memory, and are still in the
 // processor's cache when they are written.
-constexpr std::size_t kMostWaiting = 500'000;
+constexpr std::size_t kMaxWaiting = 500'000;
 
 bool isOf(const trajectory::ArrayReader& file, const std::string& order) {
   return file.textAttribute("/", "format") == kFormat && file.textAttribute("/", "order") == order;
@@ -82,7 +82,7 @@ void Checkpoints::remove() {
 }
 
 bool Checkpoints::isDue() const {
-  return Clock::now() >= due_ || samples_.numbers().size() > kMostWaiting;
+  return Clock::now() >= due_ || samples_.numbers().size() > kMaxWaiting;
 }
 
 void Checkpoints::save(RunState run) {
@@ -134,7 +134,7 @@ void Checkpoints::write(const fs::path& path, const StateTape& tape) const {
 }
 
 void Checkpoints::waitAfter(Clock::duration taken) {
-  const std::chrono::duration<double> least(pace_.leastSeconds);
+  const std::chrono::duration<double> least(pace_.minSeconds);
   const std::chrono::duration<double> rest = taken / pace_.largestShare;
   due_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::max(least, rest));
 }

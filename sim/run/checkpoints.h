@@ -16,7 +16,7 @@ namespace kirireel::run {
 
 /// Frequency of checkpoints.
 struct CheckpointPace {
-  double leastSeconds = 2;       ///< minimum time between two checkpoints, wall time
+  double minSeconds = 2;         ///< minimum time between two checkpoints, wall time
   double largestShare = 0.0025;  ///< maximum share of that time spent on writing
 };
 

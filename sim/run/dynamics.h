@@ -85,8 +85,8 @@ class Dynamics {
   virtual StepReport advance(Motion& motion, double step,
                              const mechanics::LoadSource& actuation) = 0;
 
-  /// Required before advanceToTolerance(), and before transfer() in runs that use it.
-  /// If the scene has its own tolerance, the solver also keeps it among contacts.
+  /// Required before advanceToTolerance(), and before transfer() in runs that use it. If the scene
+  /// has its own tolerance, the solver also keeps it among contacts.
   virtual void setTolerance(const TimeTolerance& tolerance) = 0;
   /// The same with loads that depend on time. Steps keep the tolerance if possible, otherwise they
   /// are fixed steps of first order: see TimeTolerance. Joints must be exact.
@@ -101,8 +101,8 @@ class Dynamics {
   virtual void transfer(StateTape& tape) = 0;
 };
 
-/// Whole planes while springs pull to a target: jammed bricks reach it only if faces
-/// guide them beyond their borders. Else the regions in which faces overlap.
+/// Whole planes while springs pull to a target: jammed bricks reach it only if faces guide them
+/// beyond their borders. Else the regions in which faces overlap.
 contacts::FaceContact faceContactOf(const scene::Scene& scene);
 
 /// The solver selected in the scene.
@@ -192,8 +192,7 @@ class WorldDynamics : public Dynamics {
   std::vector<brick::Load> loads_;
 };
 
-/// `--solver bullet`: Bullet's sequential impulses.
-/// Throws InputError for links and obstacles.
+/// `--solver bullet`: Bullet's sequential impulses. Throws InputError for links and obstacles.
 std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
                                              const std::vector<brick::Brick>& bricks,
                                              const Poses& start);

@@ -119,11 +119,10 @@ double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
 /// radially to an ellipse about the hull's centre, in the x-y plane.
 class BoundarySprings : public DriveForce {
  public:
-  /// The ellipse surrounds the start. The corners are those of the model's hull.
-  /// If the model has none, they are the corners on the convex outline of its
-  /// start. Throws InputError if the model names an invalid hull. The centre of
-  /// the hull must not be one of its corners. `bricks` belong to the model's
-  /// tiles.
+  /// The ellipse surrounds the start. The corners are those of the model's hull. If the model has
+  /// none, they are the corners on the convex outline of its start. Throws InputError if the model
+  /// names an invalid hull. The centre of the hull must not be one of its corners. `bricks` belong
+  /// to the model's tiles.
   BoundarySprings(const model::Model& model, const std::vector<brick::Brick>& bricks,
                   const scene::TargetSpringSettings& settings, const scene::BoundaryCurve& curve);
 
@@ -248,8 +247,7 @@ class TargetGuide {
   /// `start` and `target` have the same tiles with the same vertices.
   TargetGuide(const std::vector<model::Tile>& start, const std::vector<model::Tile>& target);
 
-  /// The tiles at a progress from 0 (the start) to 1 (the target). Costs
-  /// O(vertices).
+  /// The tiles at a progress from 0 (the start) to 1 (the target). Costs O(vertices).
   std::vector<model::Tile> at(double progress) const;
 
  private:

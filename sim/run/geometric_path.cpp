@@ -22,7 +22,7 @@ namespace kirireel::run {
 namespace {
 
 // A shorter extension, as a fraction of a tile, does not count.
-constexpr double kLeastExtension = 1e-3;
+constexpr double kMinExtension = 1e-3;
 
 // Number of states that interpolate a path of rounded tiles.
 constexpr std::size_t kSmoothStates = 4;
@@ -115,7 +115,7 @@ class Playback {
   bool shouldStop_ = false;
 };
 
-/// How a path ends near a target, `error` metres away. `nearest`: least error of a state with
+/// How a path ends near a target, `error` metres away. `nearest`: smallest error of a state with
 /// closed joints, metres.
 std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found, double error,
                           double nearest) {
@@ -192,7 +192,7 @@ void addPushedWarning(const scene::Scene& scene, const Poses& closed, Deployment
 }  // namespace
 
 bool isExtension(const scene::Scene& scene, const MechanismPath& path) {
-  return path.length() >= kLeastExtension * model::tileSize(scene.model);
+  return path.length() >= kMinExtension * model::tileSize(scene.model);
 }
 
 // ------------------------------------------------------------------------------------------------

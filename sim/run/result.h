@@ -48,7 +48,7 @@ struct Accuracy {
   double targetErrorStart = 0;
   /// Target error after the last step.
   double targetErrorEnd = 0;
-  /// The least target error in any step or sample.
+  /// The smallest target error in any step or sample.
   double targetErrorMin = 0;
   /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
@@ -103,7 +103,7 @@ struct DeploymentResult {
   /// Why the run is not successful, in one line; empty if it is. Reasons: the target is missed,
   /// bricks with contacts overlap, or the budget ended the search.
   std::string shortfall;
-  Accuracy accuracy;          ///< gaps, errors and overlaps, metres
+  Accuracy accuracy;  ///< gaps, errors and overlaps, metres
   /// Largest move of a vertex at any sample if the tolerance is divided by a hundred, tiles. Absent
   /// if not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
   std::optional<double> timeError;
@@ -114,7 +114,7 @@ struct DeploymentResult {
   scene::PathSettings path;                       ///< the path taken, never Auto
   std::string pathReason;                         ///< one short phrase: why this path
   std::vector<PathEvaluation> candidates;         ///< kinematic paths that were tried, in order
-  /// The least target error with closed joints, metres. < 0 without a target.
+  /// The smallest target error with closed joints, metres. < 0 without a target.
   double assembledError = -1;
   std::vector<BlockingPair> blocking;  ///< pairs of bricks that overlap at the target
   std::vector<std::string> warnings;   ///< about the target, one line each

@@ -554,18 +554,18 @@ std::string RunReasons::friction() const {
       if (vertex.z() > highest) return "";
     }
   }
-  std::vector<double> mostForce(bricks_.bricks.size(), 0);
+  std::vector<double> maxForce(bricks_.bricks.size(), 0);
   for (const mechanics::Support& support : supports) {
-    mostForce[static_cast<std::size_t>(support.brick)] += support.largestForce;
+    maxForce[static_cast<std::size_t>(support.brick)] += support.largestForce;
   }
   const std::vector<Vector6> forces = forcesAtRest();
   double pull = 0, most = 1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const double force = forces[i].head<2>().norm();
-    if (force > mostForce[i]) return "";
-    if (pull * mostForce[i] > force * most) continue;
+    if (force > maxForce[i]) return "";
+    if (pull * maxForce[i] > force * most) continue;
     pull = force;
-    most = mostForce[i];
+    most = maxForce[i];
   }
   if (pull == 0) return "";
   return fmt::format(

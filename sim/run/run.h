@@ -103,7 +103,7 @@ class Run : private TimelineStage {
   const DeployCost& cost() const { return recorder_.figures().cost(); }
   /// Accuracy so far.
   const Accuracy& accuracy() const { return recorder_.figures().accuracy(); }
-  /// Whether overlaps cover all pairs that are near at the start; see mostPairs().
+  /// Whether overlaps cover all pairs that are near at the start; see maxPairs().
   bool seesAllPairs() const { return recorder_.figures().seesAllPairs(); }
   /// Whether overlaps prevent compliant joints from closing.
   bool isHeldOpen() const { return joints_.isHeldOpen(); }

@@ -1,5 +1,4 @@
-/// The drive of a run with dynamics: its current target and the phases of the path to
-/// it.
+/// The drive of a run with dynamics: its current target and the phases of the path to it.
 #pragma once
 
 #include <algorithm>

@@ -71,7 +71,7 @@ class RunFigures {
   double targetErrorOf(const Poses& poses) const;
   /// The overlaps of a state. They do not change any figure.
   trajectory::PenetrationDepths overlapsOf(const Poses& poses) { return overlaps_->at(poses); }
-  /// Whether overlaps cover all pairs that are near at the start; see mostPairs().
+  /// Whether overlaps cover all pairs that are near at the start; see maxPairs().
   bool seesAllPairs() const { return overlaps_->seesAllPairs(); }
   /// Whether the joints were closed at both ends of the last step.
   bool wereClosed() const;

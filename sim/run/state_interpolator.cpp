@@ -15,7 +15,7 @@ namespace {
 
 /// Closing moves the bricks by less than this fraction of the distance between the samples. A
 /// larger move indicates another branch of the mechanism.
-constexpr double kMostClosing = 0.5;
+constexpr double kMaxClosing = 0.5;
 /// Tolerance for motion in the plane, tiles and radians.
 constexpr double kInPlane = 1e-9;
 
@@ -83,7 +83,7 @@ Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, doubl
   const double gap = solverFor(from, to).assemble(closed);
   const double distance = pathDistance(bricks_, from, to);
   const double moved = pathDistance(bricks_, straight, closed);
-  if (gap <= model::kClosedShare * tileSize_ && moved <= kMostClosing * distance) return closed;
+  if (gap <= model::kClosedShare * tileSize_ && moved <= kMaxClosing * distance) return closed;
   return share < 0.5 ? from : to;
 }
 
@@ -106,7 +106,7 @@ trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
 }
 
 std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Poses& to) {
-  if (!(largestTurn(from, to) <= kMostTurnBetween)) return {};  // also when not a number
+  if (!(largestTurn(from, to) <= kMaxTurnBetween)) return {};  // also when not a number
   const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
                                          interpolate(from, to, 2.0 / 3)};
   std::array<Poses, 2> closed = straight;

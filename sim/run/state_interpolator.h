@@ -17,7 +17,7 @@ namespace kirireel::run {
 /// Number of states that momentsBetween() returns.
 inline constexpr int kMomentsBetween = 10;
 /// Radians. Up to here, states of momentsBetween() open joints by less than 1e-7 of a tile.
-inline constexpr double kMostTurnBetween = 0.05;
+inline constexpr double kMaxTurnBetween = 0.05;
 
 /// A joint-closing correction of interpolated states. It is a cubic in the share: zero at both ends
 /// and equal to the known corrections at 1/3 and 2/3.
@@ -59,7 +59,7 @@ class StateInterpolator {
 
   /// kMomentsBetween equidistant states between two states. Closes the joints only twice, at one
   /// third and two thirds, and uses the cubic through these and the two given states. Returns an
-  /// empty list if a brick rotates by more than kMostTurnBetween between the two states: its path
+  /// empty list if a brick rotates by more than kMaxTurnBetween between the two states: its path
   /// is then unknown.
   std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
 

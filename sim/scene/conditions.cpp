@@ -60,7 +60,7 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 namespace {
 
 // A bound against typing errors and overflow of products; real loads are far below it.
-constexpr double kMostAmount = 1e12;  // of any amount
+constexpr double kMaxAmount = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
 
@@ -74,8 +74,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   }
   for (const TomlEntry& amount : *table) {
     const auto read = [&] {
-      return requireNumber(amount.value, -kMostAmount, kMostAmount,
-                           "a number, at most 1e12 in size");
+      return requireNumber(amount.value, -kMaxAmount, kMaxAmount, "a number, at most 1e12 in size");
     };
     if (amount.key == "x") {
       grip.x = read();

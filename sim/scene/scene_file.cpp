@@ -27,7 +27,7 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
                                           "timeline", "obstacle",    "velocity",  "grip"};
 
 /// Largest length, in any unit. It is a metre in nanometres.
-constexpr double kMostNumber = 1e9;
+constexpr double kMaxNumber = 1e9;
 
 /// A timeline's word for the model's own target.
 constexpr std::string_view kOwnTarget = "model";
@@ -43,8 +43,8 @@ Vector3 readNumbers(const TomlValue& value, const std::string& allowed) {
   if (!array || array->size() != 3) refuseValue(value, allowed);
   Vector3 result;
   for (int k = 0; k < 3; ++k) {
-    result[k] = requireNumber((*array)[k], -kMostNumber, kMostNumber,
-                              fmt::format("a number, at most {:g} in size", kMostNumber));
+    result[k] = requireNumber((*array)[k], -kMaxNumber, kMaxNumber,
+                              fmt::format("a number, at most {:g} in size", kMaxNumber));
   }
   return result;
 }
@@ -182,7 +182,7 @@ const std::map<std::string, PartReader>& entryKeys() {
   static const std::map<std::string, PartReader> keys = {
       {"at", readAt},
       {"after", numberMoment(Trigger::Kind::After, kLongest, kSeconds)},
-      {"error_below", numberMoment(Trigger::Kind::ErrorBelow, kMostNumber,
+      {"error_below", numberMoment(Trigger::Kind::ErrorBelow, kMaxNumber,
                                    "a length in the model's unit, from 0 to 1e9")},
       {"progress", numberMoment(Trigger::Kind::ProgressAbove, 1, "a share from 0 to 1")},
       {"pin", readPin},
@@ -237,7 +237,7 @@ Timeline readTimeline(const TomlValue& value) {
 // ---- obstacles
 
 // Each is a body of the broad phase. The number of faces of a mesh is not limited.
-constexpr std::size_t kMostObstacles = 1000;
+constexpr std::size_t kMaxObstacles = 1000;
 
 const std::vector<std::string> kObstacleKeys = {"shape",    "size",     "radius",  "file",
                                                 "position", "rotation", "friction"};
@@ -281,7 +281,7 @@ void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
     obstacle.size = boxSize(entry.value);
   } else if (entry.key == "radius") {
     obstacle.radius =
-        requireNumber(entry.value, 1e-15, kMostNumber, "a positive length in the model's unit");
+        requireNumber(entry.value, 1e-15, kMaxNumber, "a positive length in the model's unit");
   } else if (entry.key == "file") {
     readMesh(entry.value, obstacle);
   } else if (entry.key == "position") {
@@ -327,12 +327,12 @@ Obstacle readObstacle(const TomlValue& value) {
 std::vector<Obstacle> readObstacles(const TomlValue& value) {
   const std::vector<TomlValue>* array = value.array();
   if (!array) refuseValue(value, "tables, each under [[obstacle]]");
-  if (array->size() > kMostObstacles) {
+  if (array->size() > kMaxObstacles) {
     throw inputErrorAt(
         value.where,
         fmt::format(
             "there are {} obstacles, but at most {} are allowed. Combine several in one mesh",
-            array->size(), kMostObstacles));
+            array->size(), kMaxObstacles));
   }
   std::vector<Obstacle> obstacles;
   for (const TomlValue& entry : *array) obstacles.push_back(readObstacle(entry));

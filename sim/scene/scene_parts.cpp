@@ -386,9 +386,9 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
 
 namespace {
 
-constexpr std::size_t kMostColumns = 5;
-constexpr double kMostStiffness = 1e12;  // N m/rad, and N m s/rad
-constexpr double kMostRest = 360;        // degrees
+constexpr std::size_t kMaxColumns = 5;
+constexpr double kMaxStiffness = 1e12;  // N m/rad, and N m s/rad
+constexpr double kMaxRest = 360;        // degrees
 // Tolerance of rest angles beyond the reachable angles, radians: edges are flush up to rounding.
 constexpr double kAngleRounding = 1e-6;
 
@@ -414,7 +414,7 @@ std::optional<double> readOptional(const formats::TextTable& table, const format
 OwnHingeSpring readSpring(const formats::TextTable& table, const formats::TextLine& line,
                           const model::Model& model) {
   const FileLocation where = table.at(line, line.fields.front());
-  if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
+  if (line.fields.size() < 2 || line.fields.size() > kMaxColumns) {
     throw inputErrorAt(
         where, fmt::format("this line has {}. A hinge has tile, tile, stiffness, rest angle, "
                            "damping. The last ones are optional",
@@ -424,14 +424,14 @@ OwnHingeSpring readSpring(const formats::TextTable& table, const formats::TextLi
   spring.tileA = readTile(table, line, 0, model);
   spring.tileB = readTile(table, line, 1, model);
   spring.stiffness =
-      readOptional(table, line, 2, 0, kMostStiffness,
+      readOptional(table, line, 2, 0, kMaxStiffness,
                    "a stiffness in [0, 1e12] N m/rad, or - for the value of all hinges");
   spring.rest =
-      readOptional(table, line, 3, -kMostRest, kMostRest,
+      readOptional(table, line, 3, -kMaxRest, kMaxRest,
                    "a rest angle in [-360, 360] degrees, or - for the value of all hinges");
   if (spring.rest) *spring.rest *= kDegree;
   spring.damping =
-      readOptional(table, line, 4, 0, kMostStiffness,
+      readOptional(table, line, 4, 0, kMaxStiffness,
                    "a damping in [0, 1e12] N m s/rad, or - for the value of all hinges");
   spring.where = where;
   return spring;

@@ -347,7 +347,7 @@ SettingGroup pathSettings() {
                                                      "playback time of a kinematic path"),
        whole<&Scene::path, &PathSettings::loadSteps>(
            "load_steps", {1, 1e6}, "COUNT",
-           "least number of equilibria up to the full load, with [[grip]]"),
+           "minimum number of equilibria up to the full load, with [[grip]]"),
        number<&Scene::path, &PathSettings::openTime>(
            "open_time", kFromZero, "SECONDS",
            "duration of the initial expansion from the centre, with `path = guided`")

@@ -180,8 +180,7 @@ struct SettingGroup {
   std::vector<Setting> settings;  ///< in the order of the help
 };
 
-/// All settings of a scene, in the order of the help.
-/// Built at first use, with static lifetime.
+/// All settings of a scene, in the order of the help. Built at first use, with static lifetime.
 const std::vector<SettingGroup>& sceneSettings();
 
 /// The setting with this key. Throws std::out_of_range if there is none.

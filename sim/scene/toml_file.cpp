@@ -36,8 +36,8 @@ namespace {
 
 // Sufficient for a timeline of 100,000 entries. The parser can use a hundred bytes of memory per
 // byte of text.
-constexpr std::uintmax_t kMostBytes = 8u << 20;
-constexpr int kMostDots = 64;
+constexpr std::uintmax_t kMaxBytes = 8u << 20;
+constexpr int kMaxDots = 64;
 constexpr int kDeepest = 16;
 
 FileLocation placeIn(const std::filesystem::path& file, const toml::source_region& region) {
@@ -56,9 +56,9 @@ void requireShortKeys(const std::filesystem::path& file, std::string_view text) 
     if (letter == '.' && before != '.') ++dots;  // rows of dots decorate comments
     if (std::string_view("\n=,[]{}#").find(letter) != std::string_view::npos) dots = 0;
     before = letter;
-    if (dots < kMostDots) continue;
+    if (dots < kMaxDots) continue;
     throw inputErrorAt({file, line},
-                       fmt::format("a key or a text has {} dots here. Use fewer", kMostDots));
+                       fmt::format("a key or a text has {} dots here. Use fewer", kMaxDots));
   }
 }
 
@@ -111,7 +111,7 @@ std::optional<double> TomlValue::number() const {
 }
 
 TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint) {
-  const std::string text = readTextFile(path, "name " + hint, kMostBytes);
+  const std::string text = readTextFile(path, "name " + hint, kMaxBytes);
   requireShortKeys(path, text);
   try {
     return Translator(path).tableOf(toml::parse(text), 1);

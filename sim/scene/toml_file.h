@@ -52,8 +52,7 @@ struct TomlEntry {
 };
 
 /// Reads a file. `hint` is advice for a missing file. Throws InputError with file:line:column for
-/// invalid TOML.
-/// The limit is 8 MiB. The whole file is read into memory.
+/// invalid TOML. The limit is 8 MiB. The whole file is read into memory.
 TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint);
 
 /// A number, text or boolean in its command line form. An array of numbers becomes "0,0,-9.81".

@@ -513,7 +513,7 @@ run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterv
   requireAgreement(scene, grips, sheet);
   const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
   mechanics::LoadPathSettings settings;
-  settings.leastStates = scene.path.loadSteps;
+  settings.minStates = scene.path.loadSteps;
   for (const DirectedLoad& load : directed) settings.sums.push_back(load.sum);
   const mechanics::LoadPath loaded = mechanics::followLoad(sheet, leading, settings, {});
   const run::GeometricPath path = playbackPath(bricks, loaded, isSoft);

@@ -138,7 +138,7 @@ namespace {
 
 constexpr double kClosedSheet = 1e-12;  // metres
 // Quadratic convergence needs about 5; near singular states it is linear.
-constexpr int kMostRounds = 50;
+constexpr int kMaxRounds = 50;
 
 // Mean of the vertices; any fixed point of a tile would be possible.
 Vector3 meanOf(const model::Tile& tile) {
@@ -168,7 +168,7 @@ double planarTurn(const model::Tile& from, const model::Tile& to) {
     const Vector3 a = from.vertices[k] - meanFrom;
     const Vector3 b = to.vertices[k] - meanTo;
     along += a.x() * b.x() + a.y() * b.y();
-    across += a.x() * b.y() - a.y() * b.x();
+    across += crossZ(a, b);
   }
   // The best rotation by least squares, as in isometry.cpp.
   return std::atan2(across, along);
@@ -248,7 +248,7 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
 PlanarState ClosurePath::close(PlanarState state, double desired) const {
   const Vector3 held = state.head<3>();
   double before = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const ClosureEquations here = equations(state, held, desired);
     const double worst = here.missed.lpNorm<Eigen::Infinity>();
     // Iterates to rounding: the first round that does not halve the residual is the last.

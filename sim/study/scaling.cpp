@@ -41,9 +41,9 @@ namespace {
 
 // The first steps leave the closed state and take longer. All steps count, as in a run.
 constexpr int kSteps = 240;
-constexpr int kLeastSteps = 3;
+constexpr int kMinSteps = 3;
 // Above this number costs follow a power law.
-constexpr double kLeastTiles = 100;
+constexpr double kMinTiles = 100;
 
 /// Bytes that the program currently holds.
 double heldBytes() {
@@ -60,7 +60,7 @@ std::vector<Row> growSheet(const SheetMethod& settings, double budget) {
   SteppedScene run(scene, settings.method);
   int steps = 0;
   double gap = 0;
-  while (steps < kSteps && (steps < kLeastSteps || run.seconds() < budget)) {
+  while (steps < kSteps && (steps < kMinSteps || run.seconds() < budget)) {
     run.advance();
     gap = std::max(gap, run.gap());
     ++steps;
@@ -98,7 +98,7 @@ double exponent(const Table& table, const std::string& engine, const std::string
   for (const Row& row : table.rows) {
     const double tiles = table.number(row, "tiles");
     const bool belongs = table.text(row, "engine") == engine && table.text(row, "motion") == motion;
-    if (belongs && tiles >= kLeastTiles) points.push_back({tiles, table.number(row, column)});
+    if (belongs && tiles >= kMinTiles) points.push_back({tiles, table.number(row, column)});
   }
   return fittedExponent(points);
 }

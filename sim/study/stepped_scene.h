@@ -69,8 +69,7 @@ using DynamicsMaker = std::function<std::unique_ptr<run::Dynamics>(
 /// proportional to their product.
 std::vector<Method> sweepMethods(const Engine& engine, Extent extent);
 
-/// The maker of a method's dynamics. It may be called often, also from several
-/// threads.
+/// The maker of a method's dynamics. It may be called often, also from several threads.
 DynamicsMaker dynamicsMaker(const Method& method);
 
 // ------------------------------------------------------------------------------------------------
@@ -149,8 +148,7 @@ Stability watchStability(SteppedScene& run, int steps,
 // ------------------------------------------------------------------------------------------------
 // Scenes of generated models.
 
-/// The model of a family with default values, its start aligned to the target; no
-/// contacts.
+/// The model of a family with default values, its start aligned to the target; no contacts.
 scene::Scene familyScene(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
@@ -188,12 +186,12 @@ std::vector<std::string> otherEngines(const Table& table, const std::string& mot
 // ------------------------------------------------------------------------------------------------
 // CPU times with scatter.
 
-/// The result of a run with the least CPU time of several: other programs on the machine
+/// The result of a run with the smallest CPU time of several: other programs on the machine
 /// disturbed it least. Runs are equal except for time. They are repeated up to `most` times in
 /// total, until they took `enough` seconds together. `run` returns a struct with the field
 /// cpuSeconds.
 template <class Run>
-auto leastTimed(const Run& run, int most, double enough) {
+auto minTimed(const Run& run, int most, double enough) {
   auto result = run();
   double spent = result.cpuSeconds;
   for (int runs = 1; runs < most && spent < enough; ++runs) {

@@ -4,7 +4,7 @@
 // There are three errors: the largest joint gap of any step; the error of shape, against the exact
 // sheet at the same angle (beyond 0.04 radians, because the closed state is singular); and the
 // error in time, against the limit of short steps (exact_sheet.cpp). Findings compare an engine
-// with ours in the plane of cost and gap: the cost of its tightest setting, the least ratio of
+// with ours in the plane of cost and gap: the cost of its tightest setting, the smallest ratio of
 // costs at no larger gap, the largest ratio of gaps at no larger cost.
 #include <algorithm>
 #include <cmath>
@@ -27,9 +27,9 @@ constexpr double kStartAngle = 0.04;
 // A longer run is stopped here. Its figures are those of the part done.
 constexpr double kBudget = 20;  // CPU seconds
 constexpr double kQuickBudget = 3;
-// Shorter runs are repeated, because times scatter. The least time counts.
+// Shorter runs are repeated, because times scatter. The shortest time counts.
 constexpr double kTimedFor = 0.3;  // CPU seconds
-constexpr int kMostRuns = 5;
+constexpr int kMaxRuns = 5;
 
 struct Job {
   Method method;
@@ -91,7 +91,7 @@ const SheetPath& referenceFor(double seconds) {
 
 // One row of the table.
 std::vector<Row> measure(const Job& job) {
-  const Measured measured = leastTimed([&] { return runOnce(job); }, kMostRuns, kTimedFor);
+  const Measured measured = minTimed([&] { return runOnce(job); }, kMaxRuns, kTimedFor);
   const double error =
       std::isnan(measured.gap) ? measured.gap : pathError(measured.path, referenceFor(job.seconds));
   const Method& method = job.method;
@@ -172,7 +172,7 @@ bool isOurs(const CostPoint& point) {
 
 using Belongs = std::function<bool(const CostPoint&)>;
 
-/// CPU time of the setting with the least gap, over that of ours at the same step.
+/// CPU time of the setting with the smallest gap, over that of ours at the same step.
 double tightestOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   const CostPoint* tightest = nullptr;
   for (const CostPoint& point : points) {
@@ -184,7 +184,7 @@ double tightestOverOurs(const std::vector<CostPoint>& points, const Belongs& bel
   return std::nan("");
 }
 
-/// The least ratio, over all settings, of CPU time to our cheapest setting with no larger gap.
+/// The smallest ratio, over all settings, of CPU time to our cheapest setting with no larger gap.
 double leastOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   double least = std::nan("");
   for (const CostPoint& point : points) {
@@ -218,9 +218,9 @@ void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& po
   const std::string title = fmt::format("{}_{}", engine, motion);
   found.push_back(
       {title + "_tightest_cost", tightestOverOurs(points, belongs),
-       "CPU time of its setting with the least gap over that of ours at the same step"});
+       "CPU time of its setting with the smallest gap over that of ours at the same step"});
   found.push_back({title + "_least_cost", leastOverOurs(points, belongs),
-                   "least of all its settings: CPU time over our cheapest with no larger gap"});
+                   "smallest of all its settings: CPU time over our cheapest with no larger gap"});
   found.push_back({title + "_gap_at_equal_cost", gapAtEqualCost(points, belongs),
                    "largest of all its settings: our gap over its gap for no more CPU time"});
 }

@@ -50,7 +50,7 @@ constexpr std::size_t kChunkBytes = 256 * 1024;
 constexpr unsigned kCompression = 1;
 // An array that claims to be this many times larger than its file is damaged. Constant data
 // compress up to 1000 times, but are stored with times and vertices, which do not.
-constexpr double kMostShrunk = 200;
+constexpr double kMaxShrunk = 200;
 constexpr const char* kChecksum = "crc32";
 // First bytes of the writer's files: the signature, then the version of the superblock.
 constexpr std::string_view kBeginning = "\x89HDF\r\n\x1a\n\x02";
@@ -412,7 +412,7 @@ struct ArrayReader::Internals {
     // In doubles, as a product of lengths may overflow an integer.
     double bytes = sizeof(double);
     for (const std::size_t length : shape) bytes *= static_cast<double>(length);
-    return bytes <= kMostShrunk * fileBytes;
+    return bytes <= kMaxShrunk * fileBytes;
   }
 
   // HDF5 does not convert: only the writer's own types are accepted.

@@ -210,8 +210,8 @@ Projection project(const PlacedPrism& prism, const Vector3& axis) {
   return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
 }
 
-/// The least distance along a unit axis, in either direction, that separates two prisms. Negative
-/// if the axis separates them already. The minimum over all unit axes is the depth.
+/// The smallest distance along a unit axis, in either direction, that separates two prisms.
+/// Negative if the axis separates them already. The minimum over all unit axes is the depth.
 double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& axis) {
   const Projection intervalA = project(a, axis);
   const Projection intervalB = project(b, axis);
@@ -235,16 +235,16 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   return box;
 }
 
-/// The least distance along each axis, in either direction, that separates two boxes. Negative if
-/// they are separated already. If one box contains the other's interval, the distance exceeds their
-/// common part.
+/// The smallest distance along each axis, in either direction, that separates two boxes. Negative
+/// if they are separated already. If one box contains the other's interval, the distance exceeds
+/// their common part.
 Vector3 overlapsOf(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return (a.max() - b.min()).cwiseMin(b.max() - a.min());
 }
 
 /// Whether two sets of pieces, each of one brick, may overlap deeper than `known` (>= 0). False is
-/// certain: the axes of the boxes are axes too, and the least overlap of the boxes bounds the depth
-/// from above.
+/// certain: the axes of the boxes are axes too, and the smallest overlap of the boxes bounds the
+/// depth from above.
 bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
                   const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
   const Vector3 overlaps = overlapsOf(boxA, boxB);
@@ -363,12 +363,12 @@ class PlacedPrisms {
   }
 
   /// Visits the pairs of pieces of different bricks whose boxes overlap by more than `least()`, at
-  /// most mostPairs() of them. The smaller index comes first, and the order is the same on all
+  /// most maxPairs() of them. The smaller index comes first, and the order is the same on all
   /// machines. Returns whether these were all.
   template <typename Least, typename Visit>
   bool visitNearPairs(const Least& least, const Visit& visit) {
     sort();
-    long left = mostPairs(order_.size());
+    long left = maxPairs(order_.size());
     for (std::size_t i = 0; i < order_.size(); ++i) {
       checkInterruption();
       const PlacedPrism& first = (*this)[order_[i]];
@@ -475,9 +475,9 @@ double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
 constexpr double kBoundMargin = 1e-8;
 constexpr double kCoordinateMargin = 1e-14;
 // The bounds of fewer states cost more than they save.
-constexpr std::size_t kLeastStates = 4;
+constexpr std::size_t kMinStates = 4;
 // A larger change of a quaternion between the states has no bound. It is a rotation by 0.2 rad.
-constexpr double kMostChange = 0.1;
+constexpr double kMaxChange = 0.1;
 // Bricks whose normals have a larger sine cannot become parallel by two such rotations.
 constexpr double kNearlyParallel = 0.4;
 // Along an axis within 30 degrees of their layer (a sine of 0.5), bricks in one layer overlap by no
@@ -495,7 +495,7 @@ double chordDistance(int brick, double radius, std::span<const Poses* const> sta
   };
   const Eigen::Vector4d first = from.rotation.coeffs(), change = near(to.rotation) - first;
   const double squared = change.squaredNorm();
-  double farthest = 0, mostChange = std::sqrt(squared);
+  double farthest = 0, largestChange = std::sqrt(squared);
   for (std::size_t k = 1; k + 1 < states.size(); ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(states.size() - 1);
     const Pose& pose = (*states[k])[brick];
@@ -505,9 +505,9 @@ double chordDistance(int brick, double radius, std::span<const Poses* const> sta
     const double distance =
         moved + radius * (share * (1 - share) * squared + 2 * turned + turned * turned);
     farthest = largerOf(farthest, distance);
-    mostChange = largerOf(mostChange, std::sqrt(squared) + turned);
+    largestChange = largerOf(largestChange, std::sqrt(squared) + turned);
   }
-  if (!(mostChange <= kMostChange)) return std::numeric_limits<double>::infinity();
+  if (!(largestChange <= kMaxChange)) return std::numeric_limits<double>::infinity();
   return farthest + kBoundMargin * radius +
          kCoordinateMargin *
              std::max(from.position.cwiseAbs().maxCoeff(), to.position.cwiseAbs().maxCoeff());
@@ -823,7 +823,7 @@ std::vector<PenetrationDepths> PenetrationMeter::atLeastEach(const PenetrationDe
   Internals& in = *internals_;
   std::vector<PenetrationDepths> found;
   PenetrationDepths depths = known;
-  const bool areListed = states.size() >= kLeastStates && in.listLeft(known, states);
+  const bool areListed = states.size() >= kMinStates && in.listLeft(known, states);
   for (const Poses* poses : states) {
     if (areListed) {
       checkInterruption();
@@ -855,14 +855,14 @@ namespace {
 
 // The iteration ends when both sides agree to this relative tolerance.
 constexpr double kAgreement = 1e-12;
-constexpr int kMostIterations = 1000;
+constexpr int kMaxIterations = 1000;
 // Maximum number of fits of all tiles together. Later tiles, which fit better, keep their bound.
-constexpr long kMostFits = 200'000;
+constexpr long kMaxFits = 200'000;
 // Residuals below this fraction of the tile's distance from the origin are rounding.
 constexpr double kResidualRounding = 1e-14;
 // A vertex keeps at least this fraction of the largest factor: a weight of zero could not grow
 // again.
-constexpr double kLeastVertexWeight = 1e-3;
+constexpr double kMinVertexWeight = 1e-3;
 
 /// A weighted fit of one tile, and its bound of the largest residual of any fit.
 struct TileFit {
@@ -901,7 +901,7 @@ double boundOf(const model::Tile& tile, const model::Tile& target, double known,
   std::vector<double> weights = evenWeights(tile);
   double bound = known;
   double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMostIterations && fits < kMostFits; ++i) {
+  for (int i = 0; i < kMaxIterations && fits < kMaxFits; ++i) {
     checkInterruption();
     const TileFit fit = fitWith(weights, tile, target);
     ++fits;
@@ -912,7 +912,7 @@ double boundOf(const model::Tile& tile, const model::Tile& target, double known,
     double sum = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
       // Lawson's step.
-      weights[k] *= std::max(fit.residuals[k], kLeastVertexWeight * fit.largest);
+      weights[k] *= std::max(fit.residuals[k], kMinVertexWeight * fit.largest);
       sum += weights[k];
     }
     for (double& weight : weights) weight /= sum;

@@ -40,13 +40,13 @@ struct Penetration {
 
 /// Maximum number of near pairs that are checked in one state. Sheets have far fewer; many bricks
 /// in one place may have more.
-constexpr long mostPairs(std::size_t bricks) {
+constexpr long maxPairs(std::size_t bricks) {
   return std::max(1'000'000L, 20 * static_cast<long>(bricks));
 }
 
 /// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
 /// products of edges). Exact for convex tiles, and independent of the contact detection. Only the
-/// first mostPairs() near pairs are checked, here and below. Costs a sort of all bricks and a few
+/// first maxPairs() near pairs are checked, here and below. Costs a sort of all bricks and a few
 /// dozen axes for each pair of near bricks.
 Penetration deepestPenetration(const std::vector<brick::Brick>& bricks, const Poses& poses);
 
@@ -100,7 +100,7 @@ class PenetrationMeter {
   std::vector<PenetrationDepths> atLeastEach(const PenetrationDepths& known,
                                              std::span<const Poses* const> states);
 
-  /// Whether all near pairs of the start could be checked, see mostPairs().
+  /// Whether all near pairs of the start could be checked, see maxPairs().
   bool seesAllPairs() const;
 
  private:

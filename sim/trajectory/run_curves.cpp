@@ -147,7 +147,8 @@ constexpr CurveRow kCurves[] = {
      [](F f) { return f.poissonsRatio; },
      "since the start, of logarithmic strains of the tiles' centres"},
     {"Opening", "degrees", "least", "opening_least_deg",
-     [](F f) { return least(f.openings) / kDegree; }, "least turn of joined tiles since the start"},
+     [](F f) { return least(f.openings) / kDegree; },
+     "smallest turn of joined tiles since the start"},
     {"Opening", "degrees", "mean", "opening_mean_deg",
      [](F f) { return mean(f.openings) / kDegree; }, "mean turn of joined tiles since the start"},
     {"Opening", "degrees", "largest", "opening_largest_deg",
@@ -355,9 +356,9 @@ namespace {
 /// Tolerance of flat tiles, as a fraction of the box's diagonal.
 constexpr double kFlatOfBox = 1e-6;
 /// Smaller strains give no meaningful ratio.
-constexpr double kLeastStrain = 1e-3;
+constexpr double kMinStrain = 1e-3;
 /// Centres of tiles in a narrower strip, over its length, count as on one line.
-constexpr double kLeastWidth = 1e-6;
+constexpr double kMinWidth = 1e-6;
 
 /// The corners of the convex outline seen along z. (outlineCorners() in model.h also keeps every
 /// vertex on it.)
@@ -386,7 +387,7 @@ HullSize hullSize(const std::vector<model::Tile>& tiles) {
     // Relative to the first corner: a sheet far from the origin loses no digits.
     const Eigen::Vector2d from = corners[k] - corners[0];
     const Eigen::Vector2d to = corners[(k + 1) % corners.size()] - corners[0];
-    size.area += 0.5 * (from.x() * to.y() - from.y() * to.x());
+    size.area += 0.5 * crossZ(from, to);
     size.perimeter += (to - from).norm();
   }
   return size;
@@ -418,14 +419,14 @@ std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
   // Least squares: now = F before.
   const Eigen::Matrix2Xd from = centresOf(before), to = centresOf(now);
   const Eigen::FullPivLU<Eigen::Matrix2d> square(from * from.transpose());
-  if (square.rcond() < kLeastWidth * kLeastWidth) return std::nullopt;
+  if (square.rcond() < kMinWidth * kMinWidth) return std::nullopt;
   const Eigen::Matrix2d F = square.solve(from * to.transpose()).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> stretch(F.transpose() * F);
   if (!(stretch.eigenvalues().minCoeff() > 0)) return std::nullopt;
   const Eigen::Matrix2d strain = stretch.eigenvectors() *
                                  (0.5 * stretch.eigenvalues().array().log()).matrix().asDiagonal() *
                                  stretch.eigenvectors().transpose();
-  if (std::abs(strain(0, 0)) < kLeastStrain) return std::nullopt;
+  if (std::abs(strain(0, 0)) < kMinStrain) return std::nullopt;
   return -strain(1, 1) / strain(0, 0);
 }
 

@@ -2,7 +2,7 @@
 //
 // Flat neighbours (planes parallel to 1e-6 and at one height) are compared in their plane by
 // separating axes, perpendicular to the edges of both. Tiles in different planes intersect if the
-// line of intersection of their planes passes through both. Their depth is the least of five
+// line of intersection of their planes passes through both. Their depth is the smallest of five
 // lengths: how far each tile extends on either side of the other's plane, and the common length of
 // their cuts on that line. Concave tiles are compared part by part. Pairs come from a sweep along
 // x.
@@ -49,7 +49,7 @@ struct Interval {
   }
 };
 
-/// The least move that separates two intervals; negative if they are separated.
+/// The smallest move that separates two intervals; negative if they are separated.
 double overlap(const Interval& a, const Interval& b) {
   return std::min(a.high - b.low, b.high - a.low);
 }
@@ -62,7 +62,7 @@ Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& ori
   return interval;
 }
 
-/// The least overlap over the directions perpendicular to the edges of both (separating axes).
+/// The smallest overlap over the directions perpendicular to the edges of both (separating axes).
 double depthInPlane(const PlacedTile& a, const PlacedTile& b) {
   double depth = std::numeric_limits<double>::infinity();
   for (const PlacedTile* tile : {&a, &b}) {
@@ -96,7 +96,7 @@ Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& 
   return interval;
 }
 
-/// How far tiles in different planes pass through each other: the least of the lengths on either
+/// How far tiles in different planes pass through each other: the smallest of the lengths on either
 /// side of the other's plane and of the length that their cuts share.
 double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   const Vector3 direction = a.normal.cross(b.normal).normalized();
@@ -152,7 +152,7 @@ std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, dou
     return placed[std::size_t(a)].box.min().x() < placed[std::size_t(b)].box.min().x();
   });
   std::map<std::pair<int, int>, double> depths;  // the deepest pair of parts
-  long left = mostPairs(tiles.size());
+  long left = maxPairs(tiles.size());
   for (std::size_t i = 0; i < order.size() && left > 0; ++i) {
     const PlacedTile& first = placed[std::size_t(order[i])];
     for (std::size_t j = i + 1; j < order.size() && left > 0; ++j) {
@@ -204,7 +204,7 @@ double largestUnevenness(const std::vector<model::Tile>& tiles) {
   return largest;
 }
 
-double leastCornerSine(const std::vector<model::Tile>& tiles) {
+double smallestCornerSine(const std::vector<model::Tile>& tiles) {
   double least = 1;
   for (const model::Tile& tile : tiles) {
     const Vector3 normal = model::tileNormal(tile);
@@ -259,8 +259,8 @@ constexpr double kCounts = 1e-6;
 // A gap in the spectrum. Measured with misfits of 1e-9 to 1e-5 tiles: 2e4 and more.
 constexpr double kGap = 30;
 // A dense decomposition costs O(n^3).
-constexpr int kMostDenseUnknowns = 900;
-constexpr int kMostUnknowns = 60'000;
+constexpr int kMaxDenseUnknowns = 900;
+constexpr int kMaxUnknowns = 60'000;
 
 /// Writes the equations of joints one by one.
 class JointJacobian {
@@ -375,11 +375,11 @@ void countDense(const Sparse& jacobian, double floor, Mobility& result) {
   const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));  // falling
   floor = std::max(floor, kCounts * values[0]);
   while (result.rank < values.size() && values[result.rank] > floor) {
-    const bool mayBeMisfit = result.rank > 0 && values[result.rank] <= model::kMostMisfit;
+    const bool mayBeMisfit = result.rank > 0 && values[result.rank] <= model::kMaxMisfit;
     if (mayBeMisfit && values[result.rank - 1] > kGap * values[result.rank]) break;
     ++result.rank;
   }
-  result.leastKept = result.rank > 0 ? values[result.rank - 1] : 0;
+  result.smallestKept = result.rank > 0 ? values[result.rank - 1] : 0;
   result.largestDropped = result.rank < values.size() ? values[result.rank] : 0;
 }
 
@@ -419,7 +419,7 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   SignCounter counter(square);
   double threshold = std::max(floor, kCounts * std::sqrt(bound));
   int dropped = counter.below(threshold);
-  for (double misfit = model::kMostMisfit; misfit > threshold; misfit /= 10) {
+  for (double misfit = model::kMaxMisfit; misfit > threshold; misfit /= 10) {
     const int below = counter.below(misfit);
     if (counter.below(kGap * misfit) > below) continue;
     if (below > dropped) threshold = misfit;
@@ -432,7 +432,7 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   // The next power of ten with more values below it.
   for (double value = threshold; value < std::sqrt(bound); value *= 10) {
     if (counter.below(value) > dropped) break;
-    result.leastKept = value;
+    result.smallestKept = value;
   }
 }
 
@@ -456,12 +456,12 @@ Mobility mobility(const model::Model& model, const std::vector<model::Tile>& sta
   Mobility result;
   result.unknowns = equations.unknowns();
   result.equations = static_cast<int>(jacobian.rows());
-  result.isCounted = result.equations == 0 || result.unknowns <= kMostUnknowns;
+  result.isCounted = result.equations == 0 || result.unknowns <= kMaxUnknowns;
   if (!result.isCounted) return result;
   if (result.equations > 0) {
     const double floor = zeroSingularValue(model);
-    result.unknowns <= kMostDenseUnknowns ? countDense(jacobian, floor, result)
-                                          : countSparse(jacobian, floor, result);
+    result.unknowns <= kMaxDenseUnknowns ? countDense(jacobian, floor, result)
+                                         : countSparse(jacobian, floor, result);
   }
   result.freedoms = result.unknowns - result.rank - (freedom == Freedom::Plane ? 3 : 6);
   result.redundant = result.equations - result.rank;

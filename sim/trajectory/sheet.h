@@ -16,42 +16,43 @@ struct TileOverlap {
 };
 
 /// All pairs that overlap by more than the tolerance in metres, the deepest first. At most the
-/// first mostPairs() near pairs are checked. Tiles need an area. Costs a sort, and the edges of
+/// first maxPairs() near pairs are checked. Tiles need an area. Costs a sort, and the edges of
 /// both tiles for each pair whose boxes overlap.
 std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance);
 
-/// The largest difference of any distance between two vertices of one tile, metres.
-/// O(n^2) for a tile of n vertices.
+/// The largest difference of any distance between two vertices of one tile, metres. O(n^2) for a
+/// tile of n vertices.
 double largestShapeChange(const std::vector<model::Tile>& start,
                           const std::vector<model::Tile>& target);
 
 /// The largest distance of a vertex from its tile's plane, metres.
 double largestUnevenness(const std::vector<model::Tile>& tiles);
 
-/// The least sine of the exterior angle at any corner of a tile: > 0 if all tiles are convex.
-double leastCornerSine(const std::vector<model::Tile>& tiles);
+/// The smallest sine of the exterior angle at any corner of a tile: > 0 if all tiles are convex.
+double smallestCornerSine(const std::vector<model::Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------
 // Degrees of freedom of a sheet of rigid tiles, from the rank of its joints' Jacobian.
 
 /// The first-order mobility of one state.
 struct Mobility {
-  bool isCounted = true;      ///< false: too many unknowns; the rank and its results are unknown
-  int unknowns = 0;           ///< 3 per tile in the plane, 6 in space
-  int equations = 0;          ///< number of the joints' equations
-  int rank = 0;               ///< of the Jacobian (equations x unknowns)
-  int freedoms = 0;           ///< motions other than those of the whole as one rigid body
-  int redundant = 0;          ///< equations that depend on others
-  double leastKept = 0;       ///< the least singular value that counts towards the rank; 0 for none
+  bool isCounted = true;  ///< false: too many unknowns; the rank and its results are unknown
+  int unknowns = 0;       ///< 3 per tile in the plane, 6 in space
+  int equations = 0;      ///< number of the joints' equations
+  int rank = 0;           ///< of the Jacobian (equations x unknowns)
+  int freedoms = 0;       ///< motions other than those of the whole as one rigid body
+  int redundant = 0;      ///< equations that depend on others
+  double smallestKept =
+      0;  ///< the smallest singular value that counts towards the rank; 0 for none
   double largestDropped = 0;  ///< the largest one that does not; 0 for none. The ratio of the two
                               ///< shows how certain the rank is.
-  /// leastKept is only a lower bound and largestDropped an upper bound: their exact values are
+  /// smallestKept is only a lower bound and largestDropped an upper bound: their exact values are
   /// unknown.
   bool areBounds = false;
 
   /// Whether no singular value that counts could be that of a redundant joint of tiles with a
   /// misfit.
-  bool isCertain() const { return isCounted && (rank == 0 || leastKept > model::kMostMisfit); }
+  bool isCertain() const { return isCounted && (rank == 0 || smallestKept > model::kMaxMisfit); }
 };
 
 /// The space in which tiles may move.

@@ -38,15 +38,11 @@ using Polygon = std::vector<Vector2>;
 // Polygons whose overlap is below this fraction of their size only touch.
 constexpr double kTouching = 1e-12;
 
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 double signedArea(const Polygon& polygon) {
   double area = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     // From the first corner, so a polygon far from the origin loses no digits.
-    area += 0.5 * cross(polygon[k] - polygon[0], polygon[(k + 1) % polygon.size()] - polygon[0]);
+    area += 0.5 * crossZ(polygon[k] - polygon[0], polygon[(k + 1) % polygon.size()] - polygon[0]);
   }
   return area;
 }
@@ -73,7 +69,7 @@ bool isNotSeparatedBySides(const Polygon& a, const Polygon& b, double tolerance)
   for (std::size_t k = 0; k < a.size(); ++k) {
     const Vector2 side = (a[(k + 1) % a.size()] - a[k]).normalized();
     double deepest = -std::numeric_limits<double>::infinity();
-    for (const Vector2& corner : b) deepest = std::max(deepest, cross(side, corner - a[k]));
+    for (const Vector2& corner : b) deepest = std::max(deepest, crossZ(side, corner - a[k]));
     if (deepest <= tolerance) return false;
   }
   return true;
@@ -160,10 +156,11 @@ std::vector<double> heightsOf(const std::vector<Side>& sides) {
     for (std::size_t j = i + 1; j < sides.size(); ++j) {
       if (sides[j].low.y() >= sides[i].high.y()) break;
       const Vector2 other = sides[j].high - sides[j].low;
-      const double sine = cross(along, other);
+      const double sine = crossZ(along, other);
       if (sine == 0) continue;
       const Vector2 between = sides[j].low - sides[i].low;
-      const double share = cross(between, other) / sine, shareOther = cross(between, along) / sine;
+      const double share = crossZ(between, other) / sine,
+                   shareOther = crossZ(between, along) / sine;
       if (share < 0 || share > 1 || shareOther < 0 || shareOther > 1) continue;
       heights.push_back(sides[i].low.y() + share * along.y());
     }

@@ -2,16 +2,16 @@
 // members of all families drawn at random, one per row. Prints where it ended against the least
 // error found (without a target, the factor by which the tiles' squared distances from their centre
 // grew), how deep bricks overlapped beyond the start, the largest joint gap (where joints open,
-// also the least that the string method finds), the path's length over the one of the tiles' own
+// also the smallest that the string method finds), the path's length over the one of the tiles' own
 // motions (and the mobility of the tiles if it is long), how far states are from the symmetries
 // that the model has, and CPU seconds: of the search, and of the run. Lengths are in tiles. A row
 // begins with "holds", or with what it misses:
-//   far      it ends farther from the target than 1.05 x the least error found and 1e-6 tiles
+//   far      it ends farther from the target than 1.05 x the smallest error found and 1e-6 tiles
 //   long     its path is longer than 1.5 x the tiles' own motions, and 5% longer than the least
 //            to which the string method shortens it: many mechanisms have no path of that length
 //   back     it turns back: two moves between samples, one after the other, are opposed
 //   overlap  bricks overlap by more than 1e-4 tiles beyond the start, and no warning reports it
-//   open     joints open by more than 1e-10 tiles and 1.2 x the least that was found
+//   open     joints open by more than 1e-10 tiles and 1.2 x the smallest that was found
 // Rows whose bricks would overlap at the target are marked as blocked there. The last line counts.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search-effort FACTOR] [--contacts auto]
@@ -45,9 +45,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kClosed = 1e-10;  // gap in tiles, of joints that are exact
-constexpr double kOpen = 1.2;      // of the least opening found
-constexpr double kLong = 1.05;     // of the least length found
-constexpr double kFar = 1.05;      // of the least error found
+constexpr double kOpen = 1.2;      // of the smallest opening found
+constexpr double kLong = 1.05;     // of the smallest length found
+constexpr double kFar = 1.05;      // of the smallest error found
 constexpr double kArrived = 1e-6;  // error in tiles
 constexpr double kBack = 0.1;      // cosine of two opposed moves, up to rounding
 
@@ -111,7 +111,7 @@ std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
 
 /// Largest allowed overlap of another path beyond the start, metres: that of the run, or the limit
 /// of collision-free paths.
-double mostGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
+double maxGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
   return std::max(run::kAllowedOverlap * model::tileSize(scene.model),
                   result.accuracy.penetrationGrownMax);
 }
@@ -138,7 +138,7 @@ void addWinding(const scene::Scene& scene, const run::DeploymentResult& result, 
   const double winding = windingOf(scene, trajectory);
   row.add(fmt::format("winding {:5.2f}", winding));
   if (winding <= kDetour) return;
-  const double least = leastLength(scene, statesOf(trajectory), mostGrownOf(scene, result));
+  const double least = minLength(scene, statesOf(trajectory), maxGrownOf(scene, result));
   row.add(fmt::format("freedom {} shortened {:.2f}", freedomsOf(scene, trajectory), least));
   row.require(least * kLong >= 1, "long");
 }
@@ -183,18 +183,18 @@ void addEnd(const scene::Scene& scene, const run::DeploymentResult& result, Row&
   row.require(error <= std::max(kFar * least, kArrived * tile), "far");
 }
 
-/// The opening of joints. If they opened, also the least opening that the string method finds from
-/// the run's own states and from the tiles' own motions, and the ratio of the two.
+/// The opening of joints. If they opened, also the smallest opening that the string method finds
+/// from the run's own states and from the tiles' own motions, and the ratio of the two.
 void addGap(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const double tile = model::tileSize(scene.model);
   const double opening = std::max(result.accuracy.jointGapMax, result.accuracy.jointOpeningMax);
   row.add(fmt::format("gap {:8.1e}", opening / tile));
   if (opening <= kClosed * tile) return;
   const std::vector<Poses> states = statesOf(result.trajectory);
-  const double mostGrown = result.needs.contacts.on ? mostGrownOf(scene, result)
-                                                    : std::numeric_limits<double>::infinity();
-  const double least = std::min(leastOpening(scene, states, mostGrown),
-                                leastOpening(scene, {states.front(), states.back()}, mostGrown));
+  const double maxGrown = result.needs.contacts.on ? maxGrownOf(scene, result)
+                                                   : std::numeric_limits<double>::infinity();
+  const double least = std::min(minOpening(scene, states, maxGrown),
+                                minOpening(scene, {states.front(), states.back()}, maxGrown));
   row.add(fmt::format("least {:8.1e} ratio {:.2f}", least / tile, opening / least));
   row.require(opening <= kOpen * least, "open");
 }

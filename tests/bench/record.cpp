@@ -45,7 +45,7 @@ double cpuSeconds(int who) {
 }
 
 /// CPU milliseconds of the fastest of several rounds. Disturbances only add to a round.
-double leastCost(int frames, const std::function<void()>& frame) {
+double minCost(int frames, const std::function<void()>& frame) {
   constexpr int kRounds = 12;
   double least = 1e9;
   for (int round = 0; round < kRounds; ++round) {
@@ -114,11 +114,11 @@ double printPainting(const PaintedSheet& sheet) {
   plain.occlusion = 0;
   const auto costIn = [&](const picture::Style& style) {
     picture::Painter painter(kSize, sheet.bricks, style, picture::Smoothness::Film);
-    return leastCost(kFrames, [&] { painter.paint(sheet.poses, sheet.camera); });
+    return minCost(kFrames, [&] { painter.paint(sheet.poses, sheet.camera); });
   };
   const double painted = costIn(plain), occluded = costIn({});
   BareLoop loop(sheet);
-  const double bare = leastCost(kFrames, [&] { loop.frame(); });
+  const double bare = minCost(kFrames, [&] { loop.frame(); });
   fmt::print(
       "painting, CPU ms a frame: {:.2f}, with ambient occlusion {:.2f}; bare loop {:.2f}; ratios "
       "{:.2f} and {:.2f}\n",

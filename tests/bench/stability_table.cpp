@@ -12,7 +12,7 @@ constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
 constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 constexpr double kRunSeconds = 1;
-constexpr double kMostCpuSeconds = 3;  // the run ends if it jams
+constexpr double kMaxCpuSeconds = 3;  // the run ends if it jams
 
 /// The worst of all combinations of one model at one step.
 struct Worst {
@@ -49,7 +49,7 @@ Worst worstAtStep(scene::Scene scene, double rate) {
         scene.brick.thickness = thickness;
         const int steps = static_cast<int>(std::lround(kRunSeconds * rate));
         study::SteppedScene run(scene);
-        const study::Stability result = study::watchStability(run, steps, kMostCpuSeconds);
+        const study::Stability result = study::watchStability(run, steps, kMaxCpuSeconds);
         worst.add(result, result.finite && result.steps < steps,
                   fmt::format("k_f {}, mu_v {}, thickness {}", stiffness, damping, thickness));
       }

@@ -8,7 +8,7 @@
 // would make bricks overlap is halved until it does not. Images stop at contacts and do not slide
 // along them, so the minimum is an upper bound for touching bricks. W is the metric of
 // pathDistance(). As p grows from 2 to 32, E becomes a measure of the largest gap. What is left of
-// it on the whole path, the least over all rounds, is the least opening that was found.
+// it on the whole path, the smallest over all rounds, is the smallest opening that was found.
 //
 // For the length, images with closed joints go to the middle of their neighbours instead, as far as
 // joints let them to the first order:
@@ -37,7 +37,7 @@ constexpr int kImages = 41;
 constexpr int kRoundsAPower = 60;
 constexpr double kPowers[] = {2, 4, 8, 16, 32};
 // Of moves, over the joints' weights: larger is slower and more robust.
-constexpr double kLeastDamping = 1e-3;
+constexpr double kMinDamping = 1e-3;
 constexpr int kHalvings = 6;
 constexpr double kNoGap = 1e-12;  // metres
 // For the length: rounds, the factor o, and the square of a singular value that counts as zero.
@@ -51,8 +51,8 @@ using Vector = Eigen::VectorXd;
 
 class String {
  public:
-  String(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown)
-      : mostGrown_(mostGrown),
+  String(const scene::Scene& scene, const std::vector<Poses>& guide, double maxGrown)
+      : maxGrown_(maxGrown),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(brick::makePivots(scene.model.joints, bricks_)),
         meter_(bricks_, pivots_, scene.environment.pivotZone, guide.front(), 0),
@@ -124,7 +124,7 @@ class String {
   double opening() {
     double largest = 0;
     for (std::size_t k = 0; k < images_.size(); ++k) {
-      if (grown(images_[k]) > mostGrown_) return std::numeric_limits<double>::infinity();
+      if (grown(images_[k]) > maxGrown_) return std::numeric_limits<double>::infinity();
       largest = std::max(largest, gapOf(images_[k]));
       if (k > 0) largest = std::max(largest, gapOf(interpolate(images_[k - 1], images_[k], 0.5)));
     }
@@ -132,9 +132,7 @@ class String {
   }
 
   /// The deepest overlap beyond that at the start, metres; 0 if any overlap is allowed.
-  double grown(const Poses& poses) {
-    return std::isfinite(mostGrown_) ? meter_.at(poses).grown : 0;
-  }
+  double grown(const Poses& poses) { return std::isfinite(maxGrown_) ? meter_.at(poses).grown : 0; }
 
   double gapOf(const Poses& poses) const {
     double largest = 0;
@@ -236,7 +234,7 @@ class String {
 
   /// A state after a move. The move is halved until no overlap exceeds its limit.
   Poses clearlyMoved(const Poses& poses, Vector move) {
-    const double most = std::max(mostGrown_, grown(poses));
+    const double most = std::max(maxGrown_, grown(poses));
     for (int halving = 0; halving < kHalvings; ++halving, move *= 0.5) {
       Poses found = moved(poses, move);
       if (grown(found) <= most) return found;
@@ -253,7 +251,7 @@ class String {
           std::pow(joints.gaps.segment<3>(row).norm() / largest, power - 2));
     }
     const Eigen::SparseMatrix<double> weighted = weights.asDiagonal() * joints.jacobian;
-    Vector move = solved(joints.jacobian.transpose() * weighted, kLeastDamping,
+    Vector move = solved(joints.jacobian.transpose() * weighted, kMinDamping,
                          -weighted.transpose() * joints.gaps) /
                   (power - 1);
     const Vector along = moveBetween(before, after).normalized();
@@ -278,7 +276,7 @@ class String {
     return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
   }
 
-  double mostGrown_;  // metres
+  double maxGrown_;  // metres
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
   trajectory::PenetrationMeter meter_;
@@ -291,12 +289,12 @@ class String {
 
 }  // namespace
 
-double leastOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown) {
-  return String(scene, guide, mostGrown).relax();
+double minOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double maxGrown) {
+  return String(scene, guide, maxGrown).relax();
 }
 
-double leastLength(const scene::Scene& scene, const std::vector<Poses>& path, double mostGrown) {
-  return String(scene, path, mostGrown).shorten();
+double minLength(const scene::Scene& scene, const std::vector<Poses>& path, double maxGrown) {
+  return String(scene, path, maxGrown).shorten();
 }
 
 }  // namespace kirireel

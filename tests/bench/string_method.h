@@ -1,4 +1,4 @@
-/// The least opening of joints between two states, and the least length of a path, by an
+/// The smallest opening of joints between two states, and the smallest length of a path, by an
 /// independent method.
 #pragma once
 
@@ -9,13 +9,13 @@
 namespace kirireel {
 
 /// Minimum over paths from the first state of `guide` to the last of the largest gap of any joint,
-/// metres, by the string method from the guide. Bricks overlap by at most `mostGrown` metres more
+/// metres, by the string method from the guide. Bricks overlap by at most `maxGrown` metres more
 /// than at the start. Infinity if no such path is found.
-double leastOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown);
+double minOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double maxGrown);
 
 /// The length of a shortened path with closed joints and fixed ends, over its original length. 1 if
 /// no path nearby with the same symmetries of the model is shorter. Bricks overlap on it by at most
-/// `mostGrown` metres more than at the start; images stop at contacts and do not slide along them.
-double leastLength(const scene::Scene& scene, const std::vector<Poses>& path, double mostGrown);
+/// `maxGrown` metres more than at the start; images stop at contacts and do not slide along them.
+double minLength(const scene::Scene& scene, const std::vector<Poses>& path, double maxGrown);
 
 }  // namespace kirireel

@@ -332,7 +332,7 @@ TEST(BadSystem, TooLittleMemory) {
   GTEST_SKIP() << "sanitizers need an address space without bounds";
 #endif
   ProgramSetting setting;
-  setting.mostMemory = 570'000'000;  // 450 MB are the program's libraries
+  setting.maxMemory = 570'000'000;  // 450 MB are the program's libraries
   if (runKirireel({"--version"}, setting).exitCode != 0) {
     GTEST_SKIP() << "the libraries here are too large for this limit";
   }

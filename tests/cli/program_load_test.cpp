@@ -67,7 +67,7 @@ TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
 /// Results of bar_and_hinge.py for a run.
 struct BarsAndHinges {
   double forces = 1, energies = 1;  ///< differences, fractions of the largest
-  double softest = 0;               ///< the least stiffness, N/m
+  double softest = 0;               ///< the smallest stiffness, N/m
   double largest = 0;               ///< force, N
 };
 

@@ -31,8 +31,8 @@ void redirect(int stream, const fs::path& file) {
     const rlimit limit = {*setting.largestFile, *setting.largestFile};
     ::setrlimit(RLIMIT_FSIZE, &limit);
   }
-  if (setting.mostMemory) {
-    const rlimit limit = {*setting.mostMemory, *setting.mostMemory};
+  if (setting.maxMemory) {
+    const rlimit limit = {*setting.maxMemory, *setting.maxMemory};
     ::setrlimit(RLIMIT_AS, &limit);
   }
   if (::chdir(setting.folder.c_str()) == 0) ::execvp(words.front(), words.data());

@@ -31,7 +31,7 @@ inline constexpr int kEndedShort = 3;
 struct ProgramSetting {
   std::filesystem::path folder = ".";         ///< its current folder
   std::optional<rlim_t> largestFile = {};     ///< bytes; more fails as on a full disk
-  std::optional<rlim_t> mostMemory = {};      ///< bytes of its address space
+  std::optional<rlim_t> maxMemory = {};       ///< bytes of its address space
   std::filesystem::path output = {};          ///< of standard output; empty: kept
   std::string executable = KIRIREEL_PROGRAM;  ///< or another program, found on the path
 };

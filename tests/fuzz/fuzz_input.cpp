@@ -24,7 +24,7 @@ constexpr std::string_view kSeparator = "%%\n";
 // input.
 constexpr std::size_t kLongestMessage = 1000;
 // Largest CPU time of an input, under sanitizers. Wall time depends on other programs.
-constexpr double kMostSeconds = 1;
+constexpr double kMaxSeconds = 1;
 
 class Folder {
  public:
@@ -131,7 +131,7 @@ void read(const std::function<void()>& reader) {
     requireMessage(error.what());
   }
   const double seconds = threadCpuSeconds() - start;
-  if (seconds <= kMostSeconds) return;
+  if (seconds <= kMaxSeconds) return;
   std::fprintf(stderr, "reading this takes %g s of the processor's time\n", seconds);
   std::abort();
 }

@@ -25,7 +25,7 @@ struct DrawnModel {
 class DrawnModels {
  public:
   /// Members have at most so many tiles.
-  DrawnModels(unsigned seed, std::size_t mostTiles) : random_(seed), mostTiles_(mostTiles) {}
+  DrawnModels(unsigned seed, std::size_t maxTiles) : random_(seed), maxTiles_(maxTiles) {}
 
   DrawnModel next() {
     const generate::Family& family = generate::families()[drawn_++ % generate::families().size()];
@@ -40,7 +40,7 @@ class DrawnModels {
       try {
         model::Model model = generate::generateModel(family, values);
         const double thickness = 0.002 * std::pow(50, share());
-        if (model.tiles.size() <= mostTiles_) return {std::move(model), thickness, name};
+        if (model.tiles.size() <= maxTiles_) return {std::move(model), thickness, name};
       } catch (const InputError&) {
         // Parameters without a sheet: others are drawn.
       }
@@ -68,7 +68,7 @@ class DrawnModels {
   }
 
   std::mt19937 random_;
-  std::size_t mostTiles_;
+  std::size_t maxTiles_;
   std::size_t drawn_ = 0;
 };
 

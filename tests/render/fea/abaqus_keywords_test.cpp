@@ -34,8 +34,8 @@ struct Keyword {
   std::string place;                                        ///< model, step or both
   std::map<std::string, std::set<std::string>> parameters;  ///< with their values, if these are few
   std::set<std::string> required;
-  std::size_t leastFields = 0;
-  std::size_t mostFields = 0;
+  std::size_t minFields = 0;
+  std::size_t maxFields = 0;
 };
 
 /// Reads a cell: parameters separated by "|", each with its one value if it has one, or a single
@@ -69,11 +69,11 @@ std::map<std::string, Keyword> manual() {
     addParameters(cells.at(2), keyword, true);
     addParameters(cells.at(3), keyword, false);
     if (cells.at(4) == "text") {
-      keyword.mostFields = 100;
+      keyword.maxFields = 100;
     } else {
       const std::vector<std::string> bounds = split(cells.at(4), '-');
-      keyword.leastFields = std::stoul(bounds.front());
-      keyword.mostFields = std::stoul(bounds.back());
+      keyword.minFields = std::stoul(bounds.front());
+      keyword.maxFields = std::stoul(bounds.back());
     }
     EXPECT_TRUE(cells.at(5).starts_with("simakey-r-")) << line;
   }
@@ -128,8 +128,8 @@ class KeywordChecker {
   void readData(const std::string& line) const {
     ASSERT_NE(keyword_, nullptr) << line;
     const std::size_t fields = split(line, ',').size();
-    EXPECT_GE(fields, keyword_->leastFields) << line;
-    EXPECT_LE(fields, keyword_->mostFields) << line;
+    EXPECT_GE(fields, keyword_->minFields) << line;
+    EXPECT_LE(fields, keyword_->maxFields) << line;
   }
 
   std::map<std::string, Keyword> table_ = manual();

@@ -19,7 +19,7 @@ namespace {
 
 using test::kOrigin;
 
-/// CPU seconds that a command takes, the least of two tries.
+/// CPU seconds that a command takes, the smallest of two tries.
 double cpuSeconds(const std::filesystem::path& folder, const std::string& command) {
   double least = INFINITY;
   for (int k = 0; k < 2; ++k) {

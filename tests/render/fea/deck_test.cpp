@@ -75,7 +75,7 @@ TEST(Deck, KeepsTheLimitsOfItsReaders) {
     const Deck deck = deckOf(turned(test::hingedSquares()), {.perEdge = 3, .quadratic = quadratic});
     EXPECT_LE(deck.longestLine, 256U);
     EXPECT_LE(deck.longestNumber, 20U);
-    EXPECT_LE(deck.mostNumbers, 16U);
+    EXPECT_LE(deck.maxNumbers, 16U);
   }
 }
 
@@ -354,13 +354,13 @@ TEST(Supports, AreSixAndOneForEachMechanism) {
     for (const fea::JointStyle style :
          {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
       const fea::ElementMesh mesh = meshOf(layout, {.joints = style});
-      EXPECT_EQ(fea::leastSupports(mesh).size(), freeMotions(layout, 0.02));
+      EXPECT_EQ(fea::minSupports(mesh).size(), freeMotions(layout, 0.02));
       const std::vector<bool> follows = fea::followers(mesh);
-      for (const fea::NodeDisplacement& held : fea::leastSupports(mesh))
+      for (const fea::NodeDisplacement& held : fea::minSupports(mesh))
         EXPECT_FALSE(follows[held.node]);
     }
   }
-  EXPECT_EQ(fea::leastSupports(meshOf(test::polygons())).size(),
+  EXPECT_EQ(fea::minSupports(meshOf(test::polygons())).size(),
             3U * 6U);  // no joints
 }
 
@@ -372,7 +372,7 @@ TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
       const std::size_t known = freeMotions(layout, thickness);
       const fea::ElementRule rule{.perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation};
       const auto supports = [&] {
-        return fea::leastSupports(
+        return fea::minSupports(
             fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
       };
       EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
@@ -400,7 +400,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
           meshOf(layout, {.perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation});
       if (mesh.largestGap > 1e-9) continue;  // open joints: not a state of the sheet
       ++states;
-      EXPECT_EQ(fea::leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
+      EXPECT_EQ(fea::minSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
     }
   }
   EXPECT_GE(states, 30);
@@ -418,15 +418,15 @@ TEST(Supports, CountTheFlatMechanismsOfClosedSquares) {
       const std::size_t outOfPlane =
           face == model::JointFace::Both ? 3 : 3 * n * n - 2 * n * (n - 1);
       // Without delayed pivots 73 instead of 84 for 40 x 40 hinges.
-      EXPECT_EQ(fea::leastSupports(meshOf(layout, {.perEdge = 1, .through = 1})).size(),
+      EXPECT_EQ(fea::minSupports(meshOf(layout, {.perEdge = 1, .through = 1})).size(),
                 2 * n + 1 + outOfPlane)
           << n;
     }
   }
 }
 
-/// The least nonzero singular value of a matrix, relative to its largest.
-double leastSingularValue(const Eigen::MatrixXd& matrix, Eigen::Index nullity) {
+/// The smallest nonzero singular value of a matrix, relative to its largest.
+double minSingularValue(const Eigen::MatrixXd& matrix, Eigen::Index nullity) {
   const Eigen::VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
   return values[matrix.cols() - nullity - 1] / values[0];
 }
@@ -458,9 +458,9 @@ TEST(Supports, HoldTheUnknownsThatMoveMost) {
       Eigen::MatrixXd held = dense;
       for (const fea::FreeColumn& column : free)
         held.col(6 * column.tile + column.unknown).setZero();
-      // With these nodes fixed, the least stiffness is not much smaller. Without delayed pivots:
+      // With these nodes fixed, the smallest stiffness is not much smaller. Without delayed pivots:
       // down to 1e-7 of it.
-      EXPECT_GT(leastSingularValue(held, 6), 0.02 * leastSingularValue(dense, 6))
+      EXPECT_GT(minSingularValue(held, 6), 0.02 * minSingularValue(dense, 6))
           << weak << ' ' << round;
     }
   }

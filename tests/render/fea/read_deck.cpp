@@ -74,7 +74,7 @@ void measure(const std::string& line, Deck& deck) {
   deck.longestLine = std::max(deck.longestLine, line.size());
   if (line[0] == '*') return;
   const std::vector<std::string> fields = fieldsOf(line);
-  deck.mostNumbers = std::max(deck.mostNumbers, fields.size());
+  deck.maxNumbers = std::max(deck.maxNumbers, fields.size());
   for (const std::string& field : fields) {
     deck.longestNumber = std::max(deck.longestNumber, field.size());
   }

@@ -26,7 +26,7 @@ struct Deck {
   std::map<std::string, int> rigidBodies;      ///< reference nodes by node set
   std::size_t longestLine = 0;
   std::size_t longestNumber = 0;
-  std::size_t mostNumbers = 0;  ///< in one line
+  std::size_t maxNumbers = 0;  ///< in one line
 };
 
 Deck readDeck(const std::string& text);

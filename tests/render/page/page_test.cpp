@@ -123,7 +123,7 @@ TEST_F(WebPage, HoldsTwoRuns) {
 }
 
 TEST_F(WebPage, IsRefusedAboveItsSize) {
-  settings_.mostMegabytes = 0.1;
+  settings_.maxMegabytes = 0.1;
   settings_.states.exact = true;
   try {
     text();
@@ -134,8 +134,8 @@ TEST_F(WebPage, IsRefusedAboveItsSize) {
   }
   // The number of states in the message is small enough.
   settings_.states = {.samples = 400};
-  settings_.mostMegabytes = 25;
-  settings_.mostMegabytes = 1e-6 * static_cast<double>(text().size()) - 0.005;
+  settings_.maxMegabytes = 25;
+  settings_.maxMegabytes = 1e-6 * static_cast<double>(text().size()) - 0.005;
   try {
     settings_.states.samples = 1000;
     text();

@@ -327,7 +327,7 @@ TEST(BrickPalette, TilesHaveTheRequestedOpacity) {
 
 TEST(BrickPalette, OutlinesHaveOneColourThatAllBricksShow) {
   const picture::PictureContent content = tessellationContent();
-  const auto leastContrast = [&content](const picture::Appearance& appearance) {
+  const auto minContrast = [&content](const picture::Appearance& appearance) {
     const picture::Style style = picture::PictureSetup(appearance, content, {320, 240}).style();
     double least = 21;
     for (const picture::Colour hue : picture::BrickPalette(appearance, content).hues()) {
@@ -341,16 +341,16 @@ TEST(BrickPalette, OutlinesHaveOneColourThatAllBricksShow) {
     for (const auto map :
          {picture::ColourMap::Viridis, picture::ColourMap::Cividis, picture::ColourMap::CoolWarm}) {
       appearance.map = map;
-      EXPECT_GT(leastContrast(appearance), 1.9);  // 2.1 to 4.9
+      EXPECT_GT(minContrast(appearance), 1.9);  // 2.1 to 4.9
     }
     appearance.colouring = picture::Colouring::Plain;
-    EXPECT_GT(leastContrast(appearance), 4);  // 5.6, 8.0
+    EXPECT_GT(minContrast(appearance), 4);  // 5.6, 8.0
     appearance.brickColour = picture::Colour{0, 0, 128};
-    EXPECT_GT(leastContrast(appearance), 4);  // 10.7
+    EXPECT_GT(minContrast(appearance), 4);  // 10.7
     // A black tile keeps the dark outlines of a light page, but not those of a dark one.
     appearance.brickColour = std::nullopt;
     appearance.tileColours = {{{3}, test::kBlack, ""}};
-    EXPECT_GT(leastContrast(appearance), 1.5);  // 1.6
+    EXPECT_GT(minContrast(appearance), 1.5);  // 1.6
   }
 }
 

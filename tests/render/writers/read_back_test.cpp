@@ -20,7 +20,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-double leastEdge(const model::Model& model) {
+double minEdge(const model::Model& model) {
   double least = 1e9;
   for (const model::Tile& tile : model.tiles) {
     for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
@@ -47,7 +47,7 @@ TEST_P(PatternOf, ReadsBackToTheSameModel) {
     if (start > 0 && isTriangular) given["start-angle"] = 240 - start;
     const model::Model drawn = generate::generateModel(family, given);
     for (const double share : {0.02, 0.05, 0.1}) {
-      const double width = share * leastEdge(drawn);
+      const double width = share * minEdge(drawn);
       const std::vector<writers::PatternLine> lines = writers::cutPattern(drawn, width);
       const TemporaryFolder folder;
       folder.write("sheet.svg", writers::patternSvg(lines));
@@ -150,7 +150,7 @@ TEST(Patterns, ComeBackAfterAnEditor) {
     const model::Model drawn = generate::generateModel(generate::familyNamed(name), {});
     const double size = model::modelSize(drawn);
     const std::vector<writers::PatternLine> lines =
-        writers::cutPattern(drawn, 0.05 * leastEdge(drawn));
+        writers::cutPattern(drawn, 0.05 * minEdge(drawn));
     for (const int digits : {2, 3, 4, 5, 6, 9}) {
       const TemporaryFolder folder;
       folder.write("a.svg", resaved(lines, digits, size));
@@ -208,7 +208,7 @@ TEST(Patterns, DoNotDependOnTheDirectionOfTheirLines) {
       const double size = model::modelSize(drawn);
       for (const double width : {0.05, 0.4}) {
         std::vector<writers::PatternLine> lines =
-            writers::cutPattern(drawn, width * leastEdge(drawn));
+            writers::cutPattern(drawn, width * minEdge(drawn));
         const TemporaryFolder folder;
         std::vector<std::string> warnings;
         const auto read = [&](double mirror) {
@@ -266,7 +266,7 @@ TEST(Patterns, OfOpenSheetsNeedNoNamesOfLayers) {
     const double size = model::modelSize(drawn);
     for (const double width : {0.02, 0.05}) {
       const std::vector<writers::PatternLine> lines =
-          writers::cutPattern(drawn, width * leastEdge(drawn));
+          writers::cutPattern(drawn, width * minEdge(drawn));
       const TemporaryFolder folder;
       folder.write("a.svg", renamed(writers::patternSvg(lines)));
       std::vector<std::string> warnings;

@@ -117,7 +117,7 @@ void expectDrawingsKeep(const model::Model& model, const std::string& name,
 
 /// The length of the shortest edge. Absent if edges of two tiles differ by less than a millionth of
 /// the sheet but are not equal: readers join them.
-std::optional<double> leastDrawnEdge(const model::Model& model) {
+std::optional<double> minDrawnEdge(const model::Model& model) {
   const double tile = model::tileSize(model);
   std::vector<std::pair<Vector3, Vector3>> edges;
   for (const model::Tile& one : model.tiles) {
@@ -221,7 +221,7 @@ TEST(RoundTrips, KeepRandomModels) {
     if (!isHorizontal(*model)) continue;
     expectPlanarFilesKeep(*model, name);
     ++planar;
-    const std::optional<double> edge = leastDrawnEdge(*model);
+    const std::optional<double> edge = minDrawnEdge(*model);
     if (!edge) continue;
     expectDrawingsKeep(*model, name, 0.1 * *edge);
     ++inDrawings;
@@ -238,7 +238,7 @@ TEST(RoundTrips, KeepRandomFansAndCrossesInDrawings) {
     int count = 0;
     for (int k = 0; k < 30; ++k) {
       const std::optional<model::Model> model = random.draw(generate::familyNamed(family));
-      const std::optional<double> edge = model ? leastDrawnEdge(*model) : std::nullopt;
+      const std::optional<double> edge = model ? minDrawnEdge(*model) : std::nullopt;
       if (!edge) continue;
       expectDrawingsKeep(*model, fmt::format("{} {} ", family, k), 0.4 * *edge);
       ++count;

@@ -28,7 +28,7 @@ TEST(LengthUnits, KeepTheDigitsOfAFile) {
   }
 }
 
-/// Gaps can be as small as the least number.
+/// Gaps can be as small as the smallest number.
 TEST(LengthUnits, GiveTextsOfSmallLengths) {
   EXPECT_EQ(lengthText(5e-324, millimetre()), "4.94066e-321 mm");
   EXPECT_EQ(lengthText(5.3e-317, LengthUnit{"m", 1, 6}), "5.3e-317 m");

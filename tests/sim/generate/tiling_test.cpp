@@ -18,7 +18,7 @@ using std::numbers::pi;
 /// equivalent orders, the least.
 using Figure = std::vector<int>;
 
-Figure leastReading(Figure figure) {
+Figure minReading(Figure figure) {
   Figure least = figure;
   for (int mirrored = 0; mirrored < 2; ++mirrored) {
     for (std::size_t k = 0; k < figure.size(); ++k) {
@@ -56,7 +56,7 @@ std::map<Figure, int> innerFigures(const generate::Tiling& tiling, double unit) 
       figure.push_back(static_cast<int>(std::lround(wedge.angle / unit)));
       sum += wedge.angle;
     }
-    if (sum > 2 * pi - 1e-6) ++figures[leastReading(figure)];
+    if (sum > 2 * pi - 1e-6) ++figures[minReading(figure)];
   }
   return figures;
 }

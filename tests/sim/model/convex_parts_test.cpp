@@ -33,7 +33,7 @@ std::vector<double> cornerSines(const model::Tile& tile) {
   return sines;
 }
 
-double leastSine(const model::Tile& tile) {
+double minSine(const model::Tile& tile) {
   return std::min(1.0, std::ranges::min(cornerSines(tile)));
 }
 
@@ -48,7 +48,7 @@ void expectSoundParts(const model::Tile& tile) {
   std::set<int> corners;
   for (const model::PolygonPart& part : parts) {
     const model::Tile piece = partOf(tile, part);
-    EXPECT_GE(leastSine(piece), -1e-3);
+    EXPECT_GE(minSine(piece), -1e-3);
     EXPECT_GT(model::tileNormal(piece).z(), 0);
     area += model::tileArea(piece);
     corners.insert(part.begin(), part.end());

@@ -397,7 +397,7 @@ scene::Scene openTargetSquares(double distance) {
 }
 
 TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
-  // Half of the distance is the least error of two halves that stay joined.
+  // Half of the distance is the smallest error of two halves that stay joined.
   for (const double distance : {0.5, 1.0}) {
     const run::DeploymentResult run =
         deploy::deploy(openTargetSquares(distance), 1.0 / 60, nullptr);

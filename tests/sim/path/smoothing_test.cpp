@@ -86,7 +86,7 @@ TEST(BandedProgram, HoldsAConstraint) {
   EXPECT_LT((path::solve(program).y.reshaped() - expected).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-// y >= 1 and -y >= 1: the least violation of both is at y = 0.
+// y >= 1 and -y >= 1: the smallest violation of both is at y = 0.
 TEST(BandedProgram, ViolatesContradictionsAsLittleAsPossible) {
   path::BandedProgram program;
   program.hessian.diagonal = {MatrixXd::Identity(1, 1)};
@@ -160,7 +160,7 @@ TEST(NearGaps, OfAnOverlapAreItsDepthForAnyReach) {
   }
 }
 
-// Small moves of both bricks change the least gap by its derivative: central differences.
+// Small moves of both bricks change the smallest gap by its derivative: central differences.
 TEST(NearGaps, ChangeByTheirDerivatives) {
   Squares squares(2);
   Poses apart = squares.start;

@@ -72,7 +72,7 @@ TEST(Rest, AFlushSheetThatPinsLockIsAtRest) {
 }
 
 /// Kinetic energy minus the work of the loads. It never grows in a run without a drive.
-double mostGained(const trajectory::Trajectory& run) {
+double maxGained(const trajectory::Trajectory& run) {
   double least = 0, most = 0;
   for (const trajectory::Sample& sample : run.samples) {
     const double energy = sample.mechanics->energies.kinetic - sample.mechanics->energies.work;
@@ -85,7 +85,7 @@ double mostGained(const trajectory::Trajectory& run) {
 // Gravity in the plane of a flush sheet with a held tile. At the singular start, joints allow
 // velocities that begin no motion, and flush bricks press on each other with self-stress.
 TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
-  double largest = 0, leastLost = 0;
+  double largest = 0, minLost = 0;
   for (const int held : {0, 5}) {
     for (const double angle : {0.0, 0.7, 1.6, 3.0, 4.4, 4.7}) {
       scene::Scene scene = sheet();
@@ -102,12 +102,12 @@ TEST(Rest, AFlushSheetThatHangsGainsNoEnergy) {
       // Weight times a tile.
       double scale = 0;
       for (const brick::Brick& brick : result.trajectory.bricks) scale += 9.81 * brick.mass;
-      largest = std::max(largest, mostGained(result.trajectory) / scale);
-      leastLost = std::min({leastLost, end.impacted / scale, end.integrated() / scale});
+      largest = std::max(largest, maxGained(result.trajectory) / scale);
+      minLost = std::min({minLost, end.impacted / scale, end.integrated() / scale});
     }
   }
-  EXPECT_LE(largest, 1e-4);     // measured 1.3e-5
-  EXPECT_GE(leastLost, -1e-4);  // measured -1.2e-5
+  EXPECT_LE(largest, 1e-4);   // measured 1.3e-5
+  EXPECT_GE(minLost, -1e-4);  // measured -1.2e-5
 }
 
 /// Three squares in a ring about a closed triangle: joints at three corners allow no motion. Its

@@ -226,7 +226,7 @@ TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
     const PlainEnd expected = plainNewton(bomb.sheet());
     for (const int states : {1, 60}) {
       const mechanics::LoadPath path =
-          mechanics::followLoad(bomb.sheet(), 0, {.leastStates = states}, {});
+          mechanics::followLoad(bomb.sheet(), 0, {.minStates = states}, {});
       ASSERT_TRUE(path.arrives) << path.trouble;
       const mechanics::Equilibrium& end = path.states.back();
       EXPECT_NEAR(end.energy, expected.energy, 1e-7 * expected.energy) << fold;

@@ -163,7 +163,7 @@ TEST(LoadPath, IsTheSameForAnyNumberOfStates) {
   for (const int states : {1, 10, 300}) {
     const Held chain = chainAlongX({0.3, -0.1, 0.2, -0.4, 0.2}, -6, true);
     const mechanics::LoadPath path =
-        mechanics::followLoad(chain.sheet(), 3, {.leastStates = states}, {});
+        mechanics::followLoad(chain.sheet(), 3, {.minStates = states}, {});
     ASSERT_TRUE(path.arrives) << path.trouble;
     EXPECT_GE(static_cast<int>(path.states.size()), states);
     const mechanics::Equilibrium& end = path.states.back();

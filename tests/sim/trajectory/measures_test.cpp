@@ -70,7 +70,7 @@ TEST(RigidBound, OfAStretchedTileIsHalfTheStretch) {
   EXPECT_NEAR(trajectory::rigidBound(square, longer), 0.1, 1e-15);
 }
 
-/// The least maximum residual over plane motions, by search: rotations in steps that are refined
+/// The smallest maximum residual over plane motions, by search: rotations in steps that are refined
 /// about the best one; for each rotation the smallest circle around the vertices' misfits.
 class PlaneSearch {
  public:
@@ -104,7 +104,7 @@ class PlaneSearch {
     return gaps;
   }
 
-  /// The radius of the smallest circle: of those through two or three points, the least that
+  /// The radius of the smallest circle: of those through two or three points, the smallest that
   /// contains all.
   static double circleRound(const std::vector<Vector3>& points) {
     double least = std::numeric_limits<double>::infinity();

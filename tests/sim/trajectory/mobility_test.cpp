@@ -118,7 +118,7 @@ TEST(Mobility, SignCountsAgreeWithSingularValues) {
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
   EXPECT_GT(found.unknowns, 900);
   EXPECT_EQ(found.freedoms, 1);
-  EXPECT_GT(found.leastKept, 10 * found.largestDropped);
+  EXPECT_GT(found.smallestKept, 10 * found.largestDropped);
   EXPECT_TRUE(found.areBounds);
 }
 
@@ -126,7 +126,7 @@ TEST(Mobility, SpectrumHasAGap) {
   const model::Model model = tessellation(6, 6, 0.8);
   const trajectory::Mobility found =
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
-  EXPECT_GT(found.leastKept, 1e-2);
+  EXPECT_GT(found.smallestKept, 1e-2);
   EXPECT_LT(found.largestDropped, 1e-13);
   EXPECT_FALSE(found.areBounds);
 }
@@ -163,7 +163,8 @@ TEST(Mobility, DoesNotDependOnAMisfitOfTheTiles) {
         EXPECT_EQ(found.rank, expected.rank) << size << " " << misfit;
         EXPECT_TRUE(found.isCertain()) << size << " " << misfit;
         if (found.areBounds) continue;
-        EXPECT_NEAR(found.leastKept, expected.leastKept, 10 * misfit) << size << " " << misfit;
+        EXPECT_NEAR(found.smallestKept, expected.smallestKept, 10 * misfit)
+            << size << " " << misfit;
       }
     }
   }
@@ -177,7 +178,7 @@ TEST(Mobility, DoesNotDependOnTheThickness) {
     const trajectory::Mobility found =
         trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, thickness);
     EXPECT_EQ(found.rank, expected.rank) << thickness;
-    EXPECT_NEAR(found.leastKept, expected.leastKept, 1e-12) << thickness;
+    EXPECT_NEAR(found.smallestKept, expected.smallestKept, 1e-12) << thickness;
   }
 }
 

@@ -48,8 +48,8 @@ double overlap(const std::vector<Vector3>& a, const std::vector<Vector3>& b,
   return highA - lowB;
 }
 
-/// The second method: the least overlap over many directions, the best of them refined by smaller
-/// and smaller random turns. Negative when a separating direction is found.
+/// The second method: the smallest overlap over many directions, the best of them refined by
+/// smaller and smaller random turns. Negative when a separating direction is found.
 double overlapBySampling(const std::vector<Vector3>& a, const std::vector<Vector3>& b,
                          std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -83,7 +83,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
   const Pose origin;
   // Side by side, overlapping by 0.01 along x: less than the thickness.
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
-  // Deep overlap: the thickness is the least separation.
+  // Deep overlap: the thickness is the smallest separation.
   EXPECT_NEAR(depthOf(a, origin, b, {{0.2, 0.3, 0.005}}), 0.015, 1e-15);
   // Separate.
   EXPECT_EQ(depthOf(a, origin, b, {{1.51, 0, 0}}), 0);
@@ -107,7 +107,7 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
 
 TEST(Penetration, OfABrickThroughAnotherHasTheClosedForm) {
   // A thin upright bar through the middle of a plate: both extend beyond their overlap on two axes.
-  // The least separation is along x: half of the plate and half of the bar.
+  // The smallest separation is along x: half of the plate and half of the bar.
   const brick::Brick plate = box(1, 4, 1), bar = box(0.2, 6, 0.2);
   const Pose upright{{0, 0, 0}, rotationFromVector({kPi / 2, 0, 0})};
   EXPECT_NEAR(depthOf(plate, {}, bar, upright), 0.6, 1e-15);

@@ -74,10 +74,10 @@ TEST(Sheet, MeasuresFaults) {
   const std::vector<model::Joint> joints = {{{0, 1}, {1, 0}}};
   EXPECT_EQ(model::largestJointGap(joints, tiles), 0.25);
   EXPECT_EQ(trajectory::largestUnevenness(tiles), 0);
-  EXPECT_EQ(trajectory::leastCornerSine(tiles), 1);
+  EXPECT_EQ(trajectory::smallestCornerSine(tiles), 1);
   const std::vector<model::Tile> start = tiles;
   tiles[0].vertices[2] = Vector3(0.25, 0.25, 0);
-  EXPECT_LT(trajectory::leastCornerSine(tiles), 0);
+  EXPECT_LT(trajectory::smallestCornerSine(tiles), 0);
   EXPECT_NEAR(trajectory::largestShapeChange(start, tiles), 0.75 * std::numbers::sqrt2, 1e-15);
   tiles[1].vertices[2].z() += 0.4;
   EXPECT_NEAR(trajectory::largestUnevenness(tiles), 0.1,
