@@ -93,8 +93,8 @@ void average(const SampleRows& rows, int count, std::uint8_t* pixels) {
 }  // namespace
 
 void averageRow(const SampleRows& rows, int count, std::uint8_t* pixels) {
-  if (rows.samplesDown == kMaxSamplesDown) {
-    average<kMaxSamplesDown>(rows, count, pixels);
+  if (rows.samplesDown == kMostSamplesDown) {
+    average<kMostSamplesDown>(rows, count, pixels);
   } else {
     average<2>(rows, count, pixels);
   }

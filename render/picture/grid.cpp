@@ -37,10 +37,6 @@ constexpr double kBaselineEms = 1.25;
 constexpr double kCaptionLineEms = 1.25;
 constexpr double kLetterEms = 1.4;
 constexpr double kLetterBaselineEms = 1;
-/// Strip above the columns with their headers, and its baseline; ems.
-constexpr double kHeadEms = 1.6;
-constexpr double kHeadBaselineEms = 1.1;
-
 /// Em of an arrow between two pictures, in ems of the text; and the gap for it, in heights of a
 /// picture.
 constexpr double kArrowEms = 1.5;

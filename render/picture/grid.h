@@ -10,6 +10,10 @@
 
 namespace kirireel::picture {
 
+/// Strip above pictures with their header or title, and its baseline; ems.
+inline constexpr double kHeadEms = 1.6;
+inline constexpr double kHeadBaselineEms = 1.1;
+
 /// Drawn between consecutive pictures.
 inline constexpr const char* kArrow = "\u2192";
 

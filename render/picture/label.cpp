@@ -695,12 +695,6 @@ std::vector<std::string> wrapText(const std::string& text, const LineWidth& widt
   }
 }
 
-double widestLine(const std::vector<std::string>& lines, const LineWidth& width) {
-  double widest = 0;
-  for (const std::string& line : lines) widest = std::max(widest, width(line));
-  return widest;
-}
-
 // ------------------------------------------------------------------------------------------------
 // A box spans from the pixel nearest to its upper left corner to the pixel nearest to its lower
 // right corner. Each is rounded separately, so adjacent boxes have no overlap and no gap. A font is

@@ -136,9 +136,6 @@ using LineWidth = std::function<double(const std::string&)>;
 /// empty.
 std::vector<std::string> wrapText(const std::string& text, const LineWidth& width, double most);
 
-/// The width of the widest line; 0 without lines.
-double widestLine(const std::vector<std::string>& lines, const LineWidth& width);
-
 // ------------------------------------------------------------------------------------------------
 // Surfaces for captions and scales: pixels, or a page of vector graphics.
 

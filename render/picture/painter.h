@@ -63,14 +63,14 @@ class Painter {
 /// 96 samples a pixel, pictures of 1280 x 720 have an SSIM of 0.998 with three down.
 inline constexpr int kSamplesAcross = 2;
 /// Rows of samples in a pixel, at most.
-inline constexpr int kMaxSamplesDown = 3;
+inline constexpr int kMostSamplesDown = 3;
 
 /// Rows of samples as they are read back: RGBA bytes, alpha premultiplied.
 struct SampleRows {
   const std::uint8_t* samples = nullptr;  ///< the first row of the first pixel
   int rowSamples = 0;                     ///< samples from one row's start to the next
   bool opaque = true;                     ///< whether all alphas are 255, which is quicker
-  int samplesDown = kMaxSamplesDown;      ///< of a pixel: 2 or 3
+  int samplesDown = kMostSamplesDown;     ///< of a pixel: 2 or 3
 };
 
 /// Writes one row of `count` pixels, straight alpha: the mean of each pixel's samples, in

@@ -31,10 +31,10 @@
 namespace kirireel::record {
 namespace {
 
-/// Strip for letter and title, and its baseline; em. The baseline of a diagram's title is 1.4 em
-/// below the upper side of its box.
-constexpr double kHeadEms = 1.6;
-constexpr double kHeadBaselineEms = 1.1;
+/// The strip for letter and title is as in grids. The baseline of a diagram's title is 1.4 em below
+/// the upper side of its box.
+using picture::kHeadBaselineEms;
+using picture::kHeadEms;
 constexpr double kPlotRiseEms = 0.3;
 /// Between panels of a row, and between rows; em.
 constexpr double kPanelGapEms = 1;

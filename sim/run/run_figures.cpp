@@ -12,8 +12,6 @@
 namespace kirireel::run {
 namespace {
 
-// Larger than any depth, for figures that are not requested, metres.
-constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
 // Marks a state that does not belong to the run.
 constexpr double kNoTime = -1;
 
@@ -57,7 +55,8 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   std::vector<const Poses*> states;
   for (const Poses& state : within.states) states.push_back(&state);
   states.push_back(&poses);
-  const auto depths = overlaps_->atLeastEach({kAnyDepth, kAnyDepth, grown}, states);
+  const auto depths =
+      overlaps_->atLeastEach({trajectory::kAnyDepth, trajectory::kAnyDepth, grown}, states);
   const double interval = (time - within.begin) / static_cast<double>(states.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
     if (!(depths[k].grown > grown)) continue;
@@ -144,13 +143,15 @@ trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
   std::vector<const Poses*> measured;
   for (const Poses& state : states) measured.push_back(&state);
   const auto depths = overlaps_->atLeastEach(
-      {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax, kAnyDepth}, measured);
+      {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax, trajectory::kAnyDepth},
+      measured);
   trajectory::Sample sample;
   sample.time = time;
   sample.poses = std::move(poses);
   sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
   sample.targetError = targetErrorOf(sample.poses);
-  sample.penetration = overlaps_->atLeast({0, kAnyDepth, kAnyDepth}, sample.poses).whole;
+  sample.penetration =
+      overlaps_->atLeast({0, trajectory::kAnyDepth, trajectory::kAnyDepth}, sample.poses).whole;
   for (std::size_t k = 0; k < states.size(); ++k) {
     const double moment = time - interval * static_cast<double>(states.size() - 1 - k);
     raiseOverlaps(depths[k], {moment, states[k]});

@@ -814,7 +814,6 @@ PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, cons
 }
 
 double PenetrationMeter::grownAt(const Poses& poses, double known) {
-  constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
   return atLeast({kAnyDepth, kAnyDepth, known}, poses).grown;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -68,6 +69,9 @@ struct PenetrationDepths {
   double outsidePivots = 0;  ///< the same, with joined bricks without the corners that they share
   double grown = 0;          ///< the same, minus the pair's own depth at the start
 };
+
+/// A depth of PenetrationDepths that is not requested: no overlap is deeper, metres.
+inline constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
 
 /// Overlaps at the start up to this fraction of a tile count as rounding: their growth is measured
 /// from zero.

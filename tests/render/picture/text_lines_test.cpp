@@ -30,10 +30,5 @@ TEST(WrapText, LeavesLongWordsWhole) {
               ElementsAre("a", "Tessellierung", "b"));
 }
 
-TEST(WidestLine, IsTheWidthOfTheWidest) {
-  EXPECT_EQ(picture::widestLine({"one", "three", ""}, bytes), 5);
-  EXPECT_EQ(picture::widestLine({}, bytes), 0);
-}
-
 }  // namespace
 }  // namespace kirireel
