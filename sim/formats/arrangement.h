@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/formats/drawing.h"
 
 namespace kirireel::formats {
