@@ -3,16 +3,16 @@
 // - 1. GeometryBuilder makes flat polygons of the view of the camera
 //   (geometry.h), in five layers: ground, shadow, solid, translucent,
 //   overlay.
-// - 2. Tessellator converts them to triangles in clip coordinates. Translucent polygons are first
-//   cut and sorted from far to near (makePieces), since blending requires that order everywhere.
-//   The visible outlines (visibleOutlines) are drawn over all faces: lines of constant width, as in
-//   vector graphics, made of rectangles and of discs at their corners.
+// - 2. Tessellator converts the first four to triangles in clip coordinates. Translucent polygons
+//   are first cut and sorted from far to near (makePieces), since blending requires that order
+//   everywhere.
 // - 3. The picture is divided into parts of at most 2048 x 1024 pixels that contain triangles.
-//   The triangles of each part are drawn to a framebuffer of 2 x 3 samples per pixel: ground and
-//   overlay in painting order, solid ones by depth, translucent ones blended over the
-//   background.
-// - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h).
-// - 5. Pixels without triangles keep the background.
+//   The triangles of each part are drawn to a framebuffer of 2 x 3 samples per pixel: ground in
+//   painting order, solid ones by depth, translucent ones blended over the background.
+// - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h). Pixels without
+//   triangles keep the background.
+// - 5. The visible outlines (visibleOutlines) and the overlay are drawn over the pixels
+//   (shape_raster.h): lines of constant width, as in vector graphics.
 //
 // In opaque pictures of a flat sheet seen from above depth hides nothing. They are drawn without
 // OpenGL instead of steps 3 and 4, by spans of samples (span_raster.h), in less than half the time.
@@ -37,6 +37,7 @@
 #include "render/picture/gl_context.h"
 #include "render/picture/opengl.h"
 #include "render/picture/picture_geometry.h"
+#include "render/picture/shape_raster.h"
 #include "render/picture/span_raster.h"
 #include "sim/base/interruption.h"
 
@@ -122,38 +123,25 @@ struct TriangleMesh {
   std::vector<Vertex> vertices;
   std::vector<GLuint> indices;  ///< of vertices, three per triangle
   std::vector<FacetTriangles> facets;
-  int groundEnd = 0;       ///< facets of the plate and the shadow: first, in painting order
-  int solidEnd = 0;        ///< then those that hide each other by depth
-  int translucentEnd = 0;  ///< then those that are blended, in painting order
-  int linesEnd = 0;        ///< then outlines; the rest is the overlay
-  bool hasTranslucentLines = false;
+  int groundEnd = 0;  ///< facets of the plate and the shadow: first, in painting order
+  int solidEnd = 0;   ///< then those that hide each other by depth
+  // The rest are blended, in painting order.
 
   int facetCount() const { return static_cast<int>(facets.size()); }
   void clear() {
     vertices.clear();
     indices.clear();
     facets.clear();
-    hasTranslucentLines = false;
   }
 };
 
-/// Minimum width of lines in pictures of few pixels: thinner lines would break into dashes.
-constexpr double kThinnestSlit = 0.8;
-constexpr double kThinnestSilhouette = 1.2;
-
-/// Corners of the disc that closes the end of a line.
-constexpr int kCapSides = 12;
-
-/// Converts facets and lines to triangles. Facets are convex, so each is a fan from its first
+/// Converts facets to triangles. Facets are convex, so each is a fan from its first
 /// corner.
 class Tessellator {
  public:
   Tessellator(const PictureGeometry& geometry, const Eigen::Matrix4d& clipFromWorldAxes,
-              FrameSize size, TriangleMesh& mesh)
-      : sketch_(geometry),
-        clipFromWorld_(clipFromWorldAxes),
-        half_(0.5 * size.width, 0.5 * size.height),
-        mesh_(mesh) {}
+              TriangleMesh& mesh)
+      : sketch_(geometry), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
 
   /// Cut at intersections and sorted from far to near.
   void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
@@ -165,38 +153,6 @@ class Tessellator {
   void append(const std::vector<Facet>& facets) {
     for (const Facet& facet : facets) {
       addFacet([&](ClipBox& place) { appendFan(sketch_.corners(facet), facet.colour, place); });
-    }
-  }
-
-  /// Each outline is nearer to the eye than the previous one and has one depth. If the lines of a
-  /// translucent outline overlap, they are blended only once.
-  void append(std::vector<VisibleOutline> outlines, const Style& style) {
-    // Each blending rounds to bytes, so a fixed order makes the picture independent of the order of
-    // bricks.
-    std::erase_if(outlines, [](const VisibleOutline& outline) { return outline.lines.empty(); });
-    if (std::ranges::any_of(outlines, [](const VisibleOutline& o) { return o.opacity < 1; })) {
-      std::ranges::stable_sort(outlines, {}, [](const VisibleOutline& outline) {
-        const Vector3& point = outline.lines[0].points[0];
-        return std::tuple(outline.opacity, point.x(), point.y(), point.z());
-      });
-    }
-    const double step = 1.9 / std::max<std::size_t>(1, outlines.size());
-    double depth = 0.95;
-    for (const auto& [lines, opacity] : outlines) {
-      depth -= step;
-      Colour colour = style.edge;
-      colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
-      mesh_.hasTranslucentLines |= colour.alpha < 255;
-      const std::array<std::uint8_t, 4> channels = bytes(colour);
-      for (const auto& line : lines) {
-        const double width = line.isSilhouette ? style.silhouetteWidth : style.slitWidth;
-        const double thinnest = line.isSilhouette ? kThinnestSilhouette : kThinnestSlit;
-        // In pixels; the picture's height is 2 half_.y.
-        const double radius = std::max(half_.y() * width, 0.5 * thinnest);
-        addFacet([&](ClipBox& place) {
-          appendLine(line.points, radius, static_cast<float>(depth), channels, place);
-        });
-      }
     }
   }
 
@@ -218,39 +174,6 @@ class Tessellator {
     return first;
   }
 
-  /// radius: half the line's width, pixels.
-  void appendLine(const std::vector<Vector3>& points, double radius, float depth,
-                  const std::array<std::uint8_t, 4>& channels, ClipBox& place) {
-    const auto vertex = [&](const Eigen::Vector2d& pixel) {
-      const Eigen::Vector2f clip = pixel.cwiseQuotient(half_).cast<float>();
-      mesh_.vertices.push_back({{clip.x(), clip.y(), depth, 1}, channels});
-      place.add(mesh_.vertices.back());
-      return static_cast<GLuint>(mesh_.vertices.size() - 1);
-    };
-    Eigen::Vector2d before;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Eigen::Vector4d clip = clipFromWorld_ * points[k].homogeneous();
-      const Eigen::Vector2d pixel = (clip.head<2>() / clip.w()).cwiseProduct(half_);
-      const GLuint first = static_cast<GLuint>(mesh_.vertices.size());
-      for (int side = 0; side < kCapSides; ++side) {
-        const double angle = 2 * std::numbers::pi * side / kCapSides;
-        vertex(pixel + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-        if (side > 1) triangle(first, first + side - 1, first + side);
-      }
-      if (k > 0 && pixel != before) {
-        const Eigen::Vector2d along = (pixel - before).normalized();
-        const Eigen::Vector2d across = radius * Eigen::Vector2d(-along.y(), along.x());
-        const GLuint from = vertex(before - across);
-        vertex(pixel - across);
-        vertex(pixel + across);
-        vertex(before + across);
-        triangle(from, from + 1, from + 2);
-        triangle(from, from + 2, from + 3);
-      }
-      before = pixel;
-    }
-  }
-
   /// Returns the index of the first.
   GLuint appendCorners(std::span<const Vector3> points, Colour colour, ClipBox& place) {
     const auto first = static_cast<GLuint>(mesh_.vertices.size());
@@ -270,8 +193,90 @@ class Tessellator {
 
   const PictureGeometry& sketch_;
   Eigen::Matrix4d clipFromWorld_;
-  Eigen::Vector2d half_;  ///< half the sides of the picture, pixels
   TriangleMesh& mesh_;
+};
+
+/// Minimum width of lines, pixels: they would be pale in small pictures. A video of 640 pixels
+/// keeps the default widths.
+constexpr double kThinnestSlit = 0.7;
+constexpr double kThinnestSilhouette = 1.05;
+
+/// Corners of the half disc that ends a line.
+constexpr int kCapCorners = 7;
+
+/// Draws outlines and the overlay as shapes over the picture.
+class LineDrawer {
+ public:
+  LineDrawer(const Eigen::Matrix4d& clipFromWorldAxes, FrameSize size, ShapeRaster& shapes)
+      : clipFromWorld_(clipFromWorldAxes), size_(size), shapes_(shapes) {}
+
+  /// Where lines of a translucent outline overlap, they are as dark as one.
+  void draw(std::vector<VisibleOutline> outlines, const Style& style) {
+    // Each blending rounds to bytes, so a fixed order makes the picture independent of the order of
+    // bricks.
+    std::erase_if(outlines, [](const VisibleOutline& outline) { return outline.lines.empty(); });
+    if (std::ranges::any_of(outlines, [](const VisibleOutline& o) { return o.opacity < 1; })) {
+      std::ranges::stable_sort(outlines, {}, [](const VisibleOutline& outline) {
+        const Vector3& point = outline.lines[0].points[0];
+        return std::tuple(outline.opacity, point.x(), point.y(), point.z());
+      });
+    }
+    for (const auto& [lines, opacity] : outlines) {
+      checkInterruption();
+      Colour colour = style.edge;
+      colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
+      shapes_.begin(colour);
+      for (const auto& line : lines) {
+        const double width = line.isSilhouette ? style.silhouetteWidth : style.slitWidth;
+        const double thinnest = line.isSilhouette ? kThinnestSilhouette : kThinnestSlit;
+        drawLine(line.points, 0.5 * std::max(width * size_.height, thinnest));
+      }
+    }
+  }
+
+  void draw(const std::vector<Piece>& pieces) {
+    for (const Piece& piece : pieces) {
+      shapes_.begin(piece.colour);
+      corners_.clear();
+      for (const Vector3& corner : piece.outer.corners) corners_.push_back(toPixels(corner));
+      shapes_.add(corners_);
+    }
+  }
+
+ private:
+  /// From the upper left corner.
+  Eigen::Vector2d toPixels(const Vector3& point) const {
+    const Eigen::Vector4d clip = clipFromWorld_ * point.homogeneous();
+    return {0.5 * (1 + clip.x() / clip.w()) * size_.width,
+            0.5 * (1 - clip.y() / clip.w()) * size_.height};
+  }
+
+  /// radius: half the line's width, pixels.
+  void drawLine(const std::vector<Vector3>& points, double radius) {
+    Eigen::Vector2d from = toPixels(points.front());
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const Eigen::Vector2d to = toPixels(points[k]);
+      corners_.clear();
+      const double angle = std::atan2(to.y() - from.y(), to.x() - from.x());
+      appendCap(to, radius, angle);
+      appendCap(from, radius, angle + std::numbers::pi);
+      shapes_.add(corners_);
+      from = to;
+    }
+  }
+
+  /// angle: of the direction in which the line ends.
+  void appendCap(const Eigen::Vector2d& centre, double radius, double angle) {
+    for (int k = 0; k < kCapCorners; ++k) {
+      const double turn = angle + std::numbers::pi * (double(k) / (kCapCorners - 1) - 0.5);
+      corners_.emplace_back(centre + radius * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
+    }
+  }
+
+  Eigen::Matrix4d clipFromWorld_;
+  FrameSize size_;
+  ShapeRaster& shapes_;
+  std::vector<Eigen::Vector2d> corners_;  ///< of one polygon, kept to reuse memory
 };
 
 /// The triangles of one frame in the graphics context. Vertex array, vertices and indices are bound
@@ -425,17 +430,17 @@ struct Painter::Parts {
   PictureGeometry geometry;
   TriangleMesh mesh;
   std::vector<GLuint> indices;  ///< of the triangles of one part
-  /// Ends in `indices`: of the ground, the solid facets, the translucent ones, the outlines, the
-  /// overlay.
-  std::array<int, 5> layerEnds{};
+  /// Ends in `indices`: of the ground, the solid facets, the translucent ones.
+  std::array<int, 3> layerEnds{};
   std::vector<SpanRaster::Sample> strip;  ///< before averaging
   SpanRaster spans;
+  ShapeRaster shapes;
   bool isFlat = false;  ///< whether the spans have the picture, not the framebuffer
 
   Parts(FrameSize frameSize, const std::vector<brick::Brick>& bricks, const Style& style,
         Smoothness smoothness);
 
-  void collectTriangles(const PictureItems& items, const Camera& camera);
+  void collectTriangles(const Camera& camera);
   bool hasOneDepth() const;
   void collectSpans();
   void fitSamples(const PixelBox& part);
@@ -444,6 +449,8 @@ struct Painter::Parts {
   void drawLayers() const;
   void readMeans(const PixelBox& part, const TouchedPixels& touched, Frame& frame);
   void readStrip(const PixelBox& part, const PixelBox& box, Frame& frame);
+  void drawFaces(Frame& frame);
+  void drawLines(const Camera& camera, Frame& frame);
 };
 
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<brick::Brick>& bricks,
@@ -457,33 +464,34 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<brick::Brick>& bric
 }
 
 /// Fills the mesh.
-void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& camera) {
-  subject.sketcher.draw(items, camera, geometry);
+void Painter::Parts::collectTriangles(const Camera& camera) {
   mesh.clear();
-  Tessellator tessellator(geometry, clipFromWorld(camera, size.aspect()), size, mesh);
+  Tessellator tessellator(geometry, clipFromWorld(camera, size.aspect()), mesh);
   tessellator.append(geometry.ground);
   tessellator.append(geometry.shadow);
   mesh.groundEnd = mesh.facetCount();
   tessellator.append(geometry.solid);
   mesh.solidEnd = mesh.facetCount();
   tessellator.appendSorted(geometry.translucent, camera);
-  mesh.translucentEnd = mesh.facetCount();
+}
+
+void Painter::Parts::drawLines(const Camera& camera, Frame& frame) {
+  shapes.clear(size);
+  LineDrawer drawer(clipFromWorld(camera, size.aspect()), size, shapes);
   const Style& style = subject.style;
   if (style.slitWidth > 0) {
-    tessellator.append(
+    drawer.draw(
         visibleOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth),
         style);
   }
-  mesh.linesEnd = mesh.facetCount();
-  tessellator.append(geometry.overlay);
+  drawer.draw(makePieces(geometry, geometry.overlay, camera));
+  shapes.draw(frame);
 }
 
 /// Whether the picture is opaque, and depth hides nothing in it.
 bool Painter::Parts::hasOneDepth() const {
   constexpr float kRounding = 1e-5F;  // of clip coordinates
-  if (!subject.opaque || mesh.translucentEnd > mesh.solidEnd || mesh.hasTranslucentLines) {
-    return false;
-  }
+  if (!subject.opaque || mesh.facetCount() > mesh.solidEnd) return false;
   for (const auto& [clip, colour] : mesh.vertices) {
     if (clip[3] != 1 || std::abs(clip[2]) > 1 || colour[3] < 255) return false;
   }
@@ -516,7 +524,6 @@ void Painter::Parts::collectSpans() {
   std::ranges::for_each(facets.first(mesh.groundEnd), add);
   const auto solid = facets.subspan(mesh.groundEnd, mesh.solidEnd - mesh.groundEnd);
   std::for_each(solid.rbegin(), solid.rend(), add);
-  std::ranges::for_each(facets.subspan(mesh.solidEnd), add);
 }
 
 /// Most pictures of a run have parts of the same size, so the framebuffer is seldom made.
@@ -535,8 +542,7 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   const float lower = heightOf(part.max().y() + 1), upper = heightOf(part.min().y() - 1);
   indices.clear();
   int facet = 0;
-  const std::array<int, 5> ends = {mesh.groundEnd, mesh.solidEnd, mesh.translucentEnd,
-                                   mesh.linesEnd, mesh.facetCount()};
+  const std::array<int, 3> ends = {mesh.groundEnd, mesh.solidEnd, mesh.facetCount()};
   for (std::size_t layer = 0; layer < ends.size(); ++layer) {
     for (; facet < ends[layer]; ++facet) {
       const auto& [place, first, end] = mesh.facets[facet];
@@ -548,25 +554,19 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   MeshBuffer::loadIndices(indices);
 }
 
-/// Ground and shadow are below everything, lines above everything. Only bricks hide each other.
-/// Opaque bricks hide translucent ones, which hide nothing.
+/// Ground and shadow are below everything. Only bricks hide each other. Opaque bricks hide
+/// translucent ones, which hide nothing.
 void Painter::Parts::drawLayers() const {
-  const auto [groundEnd, solidEnd, translucentEnd, linesEnd, end] = layerEnds;
+  const auto [groundEnd, solidEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
   MeshBuffer::draw(0, groundEnd);
   glEnable(GL_DEPTH_TEST);
   MeshBuffer::draw(groundEnd, solidEnd);
   glEnable(GL_BLEND);
   glDepthMask(GL_FALSE);
-  MeshBuffer::draw(solidEnd, translucentEnd);
+  MeshBuffer::draw(solidEnd, end);
   glDepthMask(GL_TRUE);
-  if (mesh.hasTranslucentLines) {
-    glClear(GL_DEPTH_BUFFER_BIT);
-    MeshBuffer::draw(translucentEnd, linesEnd);
-  }
   glDisable(GL_BLEND);
-  glDisable(GL_DEPTH_TEST);
-  MeshBuffer::draw(mesh.hasTranslucentLines ? linesEnd : translucentEnd, end);
 }
 
 /// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
@@ -634,6 +634,25 @@ void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame&
   }
 }
 
+void Painter::Parts::drawFaces(Frame& frame) {
+  const TouchedPixels touched(mesh.facets, size);
+  isFlat = hasOneDepth();
+  if (isFlat) {
+    collectSpans();
+    const PixelBox whole(Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width, size.height));
+    readMeans(whole, touched, frame);
+    return;
+  }
+  context.makeCurrent();
+  MeshBuffer::loadVertices(mesh.vertices);
+  for (const PixelBox& part : pictureParts(touched.all(), size)) {
+    fitSamples(part);
+    chooseTriangles(part);
+    drawSamples(part, part.intersection(touched.all()));
+    readMeans(part, touched, frame);
+  }
+}
+
 Painter::Painter(FrameSize size, const std::vector<brick::Brick>& bricks, const Style& style,
                  Smoothness smoothness)
     : parts_(std::make_unique<Parts>(size, bricks, style, smoothness)) {}
@@ -655,25 +674,11 @@ Frame Painter::paint(const Poses& poses, const Camera& camera) {
 }
 
 Frame Painter::paint(const PictureItems& items, const Camera& camera, Frame storage) {
-  parts_->collectTriangles(items, camera);
+  parts_->subject.sketcher.draw(items, camera, parts_->geometry);
+  parts_->collectTriangles(camera);
   Frame frame = makeFrame(size(), parts_->subject.style.background, std::move(storage));
-  const TouchedPixels touched(parts_->mesh.facets, frame.size);
-  parts_->isFlat = parts_->hasOneDepth();
-  if (parts_->isFlat) {
-    parts_->collectSpans();
-    const PixelBox whole(Eigen::Vector2i(0, 0),
-                         Eigen::Vector2i(frame.size.width, frame.size.height));
-    parts_->readMeans(whole, touched, frame);
-    return frame;
-  }
-  parts_->context.makeCurrent();
-  MeshBuffer::loadVertices(parts_->mesh.vertices);
-  for (const PixelBox& part : pictureParts(touched.all(), frame.size)) {
-    parts_->fitSamples(part);
-    parts_->chooseTriangles(part);
-    parts_->drawSamples(part, part.intersection(touched.all()));
-    parts_->readMeans(part, touched, frame);
-  }
+  parts_->drawFaces(frame);
+  parts_->drawLines(camera, frame);
   return frame;
 }
 

@@ -292,7 +292,8 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
         const std::size_t at = 4 * (static_cast<std::size_t>(y) * size.width + x);
         if (std::equal(&with.pixels[at], &with.pixels[at] + 4, &without.pixels[at])) continue;
         ++changed;
-        darkest = std::min<int>(darkest, with.pixels[at + 1]);
+        // Outlines of bricks in front may become slits.
+        if (without.pixels[at + 1] == 255) darkest = std::min<int>(darkest, with.pixels[at + 1]);
         // A pixel reaches 0.7 pixels from its middle, half a line 0.6 pixels from the outline.
         const Eigen::Vector2d middle(x + 0.5, y + 0.5);
         inside += std::ranges::any_of(
@@ -301,7 +302,7 @@ TEST(StatePainter, GhostChangesPixelsOnlyWithinTheTargetsBricks) {
     }
     EXPECT_GT(changed, 500);
     EXPECT_EQ(inside, changed);
-    EXPECT_GE(darkest, 55);  // measured 60; lines of bricks have 35
+    EXPECT_GE(darkest, 120);  // lines of bricks have 35
   }
 }
 
