@@ -295,6 +295,21 @@ TEST(Boundaries, NamesAreLookedUpWithoutExceptions) {
   }
 }
 
+// In a folder that lists its sources, a new test is not in the build unless it is listed.
+TEST(Boundaries, EveryTestIsBuilt) {
+  int tests = 0;
+  for (const fs::directory_entry& entry :
+       fs::recursive_directory_iterator(fs::path(KIRIREEL_SOURCE_DIR) / "tests")) {
+    if (!entry.path().filename().string().ends_with("_test.cpp")) continue;
+    ++tests;
+    const std::string lists = readText(entry.path().parent_path() / "CMakeLists.txt");
+    const bool hasAll = lists.find("SOURCES") == std::string::npos;
+    EXPECT_TRUE(hasAll || lists.find(entry.path().filename().string()) != std::string::npos)
+        << entry.path();
+  }
+  EXPECT_GT(tests, 100);
+}
+
 // New versions of fmt declare `join` only there.
 TEST(Boundaries, FilesThatJoinTextsIncludeItsHeader) {
   for (const SourceFile& file : sources()) {
