@@ -226,7 +226,7 @@ void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
              })
       .serializedAs([&appearance] { return serializedColour(appearance.brickColour); });
   group
-      .value("--back-colour", "COLOUR", "F4BE74", "colour of their other side, with --colour plain",
+      .value("--back-colour", "COLOUR", "7E92A6", "colour of their other side, with --colour plain",
              [&appearance](const scene::TypedValue& typed) {
                appearance.backColour = parseColour(typed);
              })

@@ -35,7 +35,13 @@ Colour mixed(Colour colour, Colour with, double share) {
 BrickColours shadesOf(Colour colour) {
   constexpr Colour kBlack = {0, 0, 0};
   constexpr Colour kWhite = {255, 255, 255};
-  return {colour, mixed(colour, kWhite, 0.35), mixed(colour, kBlack, 0.24)};
+  constexpr int kDark = 80;
+  // Luma of ITU-R BT.601.
+  const auto grey = static_cast<std::uint8_t>(
+      std::lround(0.299 * colour.red + 0.587 * colour.green + 0.114 * colour.blue));
+  const Colour muted = mixed(colour, {grey, grey, grey}, 0.5);
+  const Colour bottom = grey < kDark ? mixed(muted, kWhite, 0.2) : mixed(muted, kBlack, 0.14);
+  return {colour, bottom, mixed(colour, kBlack, 0.24)};
 }
 
 Style darkStyle() {

@@ -37,13 +37,14 @@ Colour mixed(Colour colour, Colour with, double share);
 /// The colours of one brick before lighting. Their alphas are equal: the opacity.
 struct BrickColours {
   Colour top = {128, 174, 220};     ///< face on the side of the tile's normal
-  Colour bottom = {244, 190, 116};  ///< the tile itself, seen from below
+  Colour bottom = {126, 146, 166};  ///< the tile itself, seen from below
   Colour side = {96, 130, 172};     ///< faces across the thickness
 
   bool operator==(const BrickColours&) const = default;
 };
 
-/// Colours of a brick with one base colour: darker sides, a paler bottom.
+/// Colours of a brick with one base colour: darker sides, and a muted bottom: half as colourful,
+/// and darker, or paler than a dark colour. The defaults above are like those of their top.
 BrickColours shadesOf(Colour colour);
 
 /// The same colours with an opacity, from 0 (not drawn) to 1 (opaque). A lower opacity shows what

@@ -1,6 +1,8 @@
 #include "render/picture/style.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +37,25 @@ TEST(FaceColour, StopsAtWhite) {
   style.ambient = 3;
   EXPECT_EQ(picture::faceColour(Vector3::UnitY(), {100, 200, 0}, style),
             (picture::Colour{255, 255, 0}));
+}
+
+TEST(Style, BacksAreMutedTintsOfTheFront) {
+  const picture::BrickColours plain;
+  EXPECT_EQ(plain.bottom, picture::shadesOf(plain.top).bottom);
+  const auto colourfulness = [](picture::Colour colour) {
+    const auto [least, most] = std::minmax({colour.red, colour.green, colour.blue});
+    return most - least;
+  };
+  std::vector<picture::Colour> fronts = {{0, 0, 0}, {255, 255, 255}, {0, 128, 128}, {200, 40, 40}};
+  for (int kind = 0; kind < 7; ++kind) fronts.push_back(picture::kindColour(kind));
+  for (const picture::Colour front : fronts) {
+    const picture::Colour back = picture::shadesOf(front).bottom;
+    EXPECT_LE(colourfulness(back), 0.55 * colourfulness(front) + 1);  // measured 0.51
+    EXPECT_GE(picture::contrastOf(front, back), 1.3);                 // measured 1.32 to 1.66
+  }
+  // As for the scales: 3 between a tile and the page. Measured 3.21 and 5.54.
+  EXPECT_GE(picture::contrastOf(plain.bottom, picture::Style().background), 3);
+  EXPECT_GE(picture::contrastOf(plain.bottom, picture::darkStyle().background), 3);
 }
 
 TEST(Style, HasUnitLights) {
