@@ -19,6 +19,7 @@
 
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
+#include "sim/trajectory/exact_motion.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/union_area.h"
 
@@ -32,11 +33,12 @@ struct Figures {
   const Subject& subject;
   const Sample& sample;
   std::vector<model::Tile> tiles;
-  Vector3 sides;                 ///< of the box around the tiles, metres
-  HullSize hull;                 ///< seen from above, as the two below
-  double covered = kNone;        ///< area, square metres
-  double poissonsRatio = kNone;  ///< since the start
-  std::vector<double> openings;  ///< of the joints, radians
+  Vector3 sides;                        ///< of the box around the tiles, metres
+  HullSize hull;                        ///< seen from above, as the two below
+  double covered = kNone;               ///< area, square metres
+  double poissonsRatio = kNone;         ///< since the start
+  std::vector<double> openings;         ///< of the joints, radians
+  std::vector<model::Tile> exact = {};  ///< at the mean opening, see ExactMotion; may be empty
 };
 
 /// A curve. Those that depend only on poses have a description: trajectory.h5 stores them.
@@ -99,18 +101,24 @@ double meanTargetError(const Figures& figures) {
 }
 
 /// The largest distance of a vertex from the mean of all, metres.
-double largestRadius(const Figures& figures) {
+double largestRadius(const std::vector<model::Tile>& tiles) {
   Vector3 mean = Vector3::Zero();
   double count = 0, radius = 0;
-  for (const model::Tile& tile : figures.tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) mean += vertex;
     count += static_cast<double>(tile.vertices.size());
   }
   mean /= count;
-  for (const model::Tile& tile : figures.tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
   }
   return radius;
+}
+
+/// NaN if the sheet has no exact motion.
+double shapeError(const Figures& figures, double VertexDistance::*value) {
+  if (figures.exact.empty()) return kNone;
+  return vertexDistance(figures.tiles, figures.exact).*value;
 }
 
 double least(const std::vector<double>& values) {
@@ -184,7 +192,13 @@ constexpr CurveRow kCurves[] = {
      [](F f) { return f.subject.model.joints.empty() ? kNone : f.sample.jointGap; }, nullptr, true},
     {"Overlap", "m", "overlap", "penetration_m", [](F f) { return f.sample.penetration; }, nullptr,
      true},
-    {"Radius", "m", "radius", "radius_m", largestRadius}};
+    {"Radius", "m", "radius", "radius_m", [](F f) { return largestRadius(f.tiles); }},
+    {"Radius", "m", "exact", "radius_exact_m",
+     [](F f) { return f.exact.empty() ? kNone : largestRadius(f.exact); }},
+    {"Shape error", "m", "largest", "shape_error_m",
+     [](F f) { return shapeError(f, &VertexDistance::largest); }, nullptr, true},
+    {"Shape error", "m", "mean", "shape_error_mean_m",
+     [](F f) { return shapeError(f, &VertexDistance::mean); }, nullptr, true}};
 
 /// The channel of a curve in trajectory.h5: its column without the unit.
 Channel channelOf(const CurveRow& row) {
@@ -318,9 +332,11 @@ RunCurves curvesOf(const TrajectoryReader& run) {
   RunCurves result{run.times(), curveGroups(unit),
                    emptyJointCurves(subject.model, run.hasMechanics())};
   const ShapeMeter meter(subject);
+  const std::optional<ExactMotion> exact = ExactMotion::find(subject.model);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
     const Sample sample = run.sample(k);
-    const Figures figures = meter.figuresOf(sample);
+    Figures figures = meter.figuresOf(sample);
+    if (exact) figures.exact = exact->nearest(mean(figures.openings), figures.tiles);
     const CurveRow* row = kCurves;
     for (CurveGroup& group : result.groups) {
       const LengthUnit power{"", std::pow(unit.metres, group.lengthPower)};

@@ -58,7 +58,9 @@ struct RunCurves {
   ///     Force on held tiles   the largest of a pin, of a grip and of a contact, N
   ///     Target error      largest, as in samples, and mean of the vertices, L
   ///     Joint gap, Overlap    as in samples, L
-  ///     Radius            largest distance of a vertex from the mean of all, L
+  ///     Radius            largest distance of a vertex from the mean of all, L: of the sheet, and
+  ///                       of its exact motion at the same mean opening, see ExactMotion
+  ///     Shape error       distance of the vertices from that motion, largest and mean, L
   std::vector<CurveGroup> groups;
   /// For each joint its opening in degrees, the magnitude of its force in newtons and whether that
   /// is indeterminate (1): opening_J_deg, joint_force_J_N, joint_force_J_indeterminate. J counts as

@@ -227,6 +227,9 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
     for (const trajectory::Curve& joint : curves_.joints) {
       EXPECT_NEAR(joint.values.at(k) * kDegree, opening, kTolerance);  // measured 1e-15
     }
+    EXPECT_NEAR(at("radius_exact_m", k), at("radius_m", k), kTolerance);  // measured 1e-15
+    EXPECT_LT(at("shape_error_m", k), kTolerance);                        // measured 5e-15
+    EXPECT_LE(at("shape_error_mean_m", k), at("shape_error_m", k));
     EXPECT_NEAR(at("porosity", k), 1 - kColumns * kRows / squares.hullArea(), kTolerance);
     for (const char* column : {"opening_least_deg", "opening_mean_deg", "opening_largest_deg"}) {
       EXPECT_NEAR(at(column, k) * kDegree, opening, kTolerance);  // measured 1e-15
@@ -238,6 +241,19 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
       EXPECT_TRUE(std::isnan(at("poissons_ratio", k)));
     }
   }
+}
+
+/// A tile that moved away by itself, in the middle of the sheet.
+TEST_F(RunCurvesOfSquares, ShowDistancesFromTheExactMotion) {
+  trajectory::Trajectory run = openingSquares(kEnd, kSamples);
+  run.samples.back().poses[9].position.x() += 0.01;
+  trajectory::writeTrajectory(run, folder_ / "moved.h5");
+  const trajectory::RunCurves moved =
+      trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "moved.h5"));
+  const double tiles = kColumns * kRows;
+  // The best fit moves with the tile by its part of the sheet.
+  EXPECT_NEAR(curveNamed(moved, "shape_error_m").values.back(), 0.01 * (1 - 1 / tiles), 1e-4);
+  EXPECT_NEAR(curveNamed(moved, "shape_error_mean_m").values.back(), 0.02 / tiles, 2e-4);
 }
 
 TEST_F(RunCurvesOfSquares, HaveTheUnitOfTheModel) {
