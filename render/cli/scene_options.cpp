@@ -233,16 +233,22 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
 /// Search path of findModel(): first near the current folder, then the installed models.
 constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
-/// Rejects a misspelt name of a known model; the reader rejects other names.
-void requireNoMisspelling(const std::filesystem::path& named) {
+/// Rejects a name that is neither a folder nor a known model; the reader rejects other paths.
+void requireKnownName(const std::filesystem::path& named) {
   if (isPresent(findModel(named))) return;
   // A folder name may end in a slash.
   const std::filesystem::path name = named.has_filename() ? named : named.parent_path();
   std::vector<std::string> names;
   for (const auto& [known, place] : knownModels()) names.push_back(known);
   const std::string meant = suggestion(name.filename().string(), names);
-  if (meant.empty()) return;
-  throw inputErrorAt({named}, fmt::format("there is no such model{}; see kirireel models", meant));
+  if (!meant.empty()) {
+    throw inputErrorAt({named},
+                       fmt::format("there is no such model{}; see kirireel models", meant));
+  }
+  if (named.has_parent_path() || named.has_extension()) return;
+  throw inputErrorAt({named},
+                     "there is no such folder; give a folder with vertices.txt and "
+                     "constraints.txt, or a name that kirireel models lists");
 }
 
 }  // namespace
@@ -356,9 +362,9 @@ model::Model readModelAt(const std::filesystem::path& place, const std::filesyst
                          const formats::ReadSettings& settings,
                          std::vector<std::string>& warnings) {
   if (place.empty()) throw InputError("error: the model's name is empty; give a folder or a file");
-  requireNoMisspelling(place);
+  requireKnownName(place);
   std::optional<std::filesystem::path> named;
-  // The target's model is searched in the same places.
+  // The target's model is searched in the same folders.
   if (!target.empty()) named = findModel(target);
   model::Model model = formats::readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);

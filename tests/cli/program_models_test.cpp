@@ -125,8 +125,11 @@ TEST(KnownModels, AreSuggestedForMistypedNames) {
                              "kirireel models\n");
     }
   }
-  EXPECT_THAT(runKirireel({"record", "nothing_like_it"}, kAmongSources).err,
-              testing::HasSubstr("nothing_like_it: error: there is no such folder; "));
+  EXPECT_THAT(
+      runKirireel({"record", "nothing_like_it"}, kAmongSources).err,
+      testing::HasSubstr("nothing_like_it: error: there is no such folder; give a folder with "
+                         "vertices.txt and constraints.txt, or a name that kirireel models "
+                         "lists"));
 }
 
 }  // namespace
