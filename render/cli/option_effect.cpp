@@ -68,8 +68,8 @@ bool isFigure(const OptionContext& context) {
 bool isOneRun(const OptionContext& context) {
   return context.runs == 1;
 }
-/// Several runs have a video only if it was named.
-bool isOneRunOrFilm(const OptionContext& context) {
+/// Several runs have a video only if --video was given.
+bool isOneRunOrHasVideo(const OptionContext& context) {
   return isOneRun(context) || hasFrames(context);
 }
 bool hasOutlines(const OptionContext& context) {
@@ -93,7 +93,7 @@ bool hasPreset(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   return !pictures.encoder.empty() || endingOf(pictures.videoFile) == ".mp4";
 }
-/// Only a video that was named counts, not the default one.
+/// Only a video of --video counts, not the default one.
 bool mayBeTransparent(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   if (pictures.video && picture::hasAlpha(pictures.videoFile)) return true;
@@ -184,7 +184,9 @@ bool mayBeKinematic(const OptionContext& context) {
   if (scene.path.kind == scene::PathKind::Continuation) return true;
   if (scene.path.kind != scene::PathKind::Auto) return false;
   scene::Drive& drive = scene.actuation.drive;
-  if (drive == scene::Drive::None || drive == scene::Drive::Boundary) return false;
+  const bool mayFollow = drive == scene::Drive::Auto || drive == scene::Drive::Target ||
+                         drive == scene::Drive::Expansion;
+  if (!mayFollow) return false;
   drive = scene::defaultDrive(scene.model);
   std::string reason;
   return scene::isQuasiStatic(scene, reason);
@@ -224,7 +226,7 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--same-view,--same-scale", isFigure, "with one run", "Give kirireel render several runs"},
     {"--no-snapshots,--fps,--length,--hold,--title,--subtitle,--progress-bar,--inset,"
      "--crf,--preset,--encoder",
-     isOneRunOrFilm, kSeveral, "Add --video both.mp4"},
+     isOneRunOrHasVideo, kSeveral, "Add --video both.mp4"},
     {"--frames-at", isOneRun, kSeveral, "Render the runs one by one"},
     {"--video,--crf,--encoder,--preset", hasVideo, "without a video", "Remove --no-video"},
     {"--preset", hasPreset, "in a video that is not H.264", "Use .mp4"},
