@@ -36,7 +36,7 @@ std::filesystem::path folderOr(const std::filesystem::path& chosen,
 // ------------------------------------------------------------------------------------------------
 // render: paints a run again from its poses, so another camera, size or colour costs only the
 // painting. Several trajectories make one grid with a row for each, and a video with the runs side
-// by side if one is named.
+// by side if --video is given.
 
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
@@ -74,7 +74,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
     throw InputError("error: a figure of several runs needs its own folder; choose it with --out");
   }
   const std::set<std::string> given = givenOptions(command);
-  // The video of several runs has to be named.
+  // Several runs have a video only with --video.
   if (order.trajectories.size() > 1 && !given.contains("--video")) order.settings.video = false;
   requireEffect(
       {.command = &command, .pictures = &order.settings, .runs = order.trajectories.size()}, given);

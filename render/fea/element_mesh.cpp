@@ -1116,7 +1116,7 @@ void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints) {
                              others = nodesOnEdge(mesh, b, edgeB);
       const auto [fromA, toA] = cornersOf(a, edgeA);
       const auto [toB, fromB] = cornersOf(b, edgeB);
-      // At an angle the nodes of one face are apart, so their places on the sides are compared.
+      // At an angle the nodes of one face are apart, so their positions on the sides are compared.
       const auto placesA = placesOnSide(mesh, own, fromA, toA);
       const auto placesB = placesOnSide(mesh, others, fromB, toB);
       for (std::size_t k = 0; k < own.size(); ++k) {

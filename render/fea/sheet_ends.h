@@ -17,7 +17,7 @@ struct PolygonEdge {
   auto operator<=>(const PolygonEdge&) const = default;
 };
 
-/// A place at which two polygons of a sheet are connected.
+/// A point at which two polygons of a sheet are connected.
 struct PolygonLink {
   int first = 0;   ///< polygon, zero-based
   int second = 0;  ///< the other polygon
@@ -26,9 +26,9 @@ struct PolygonLink {
 
 /// The edges at the ends of a sheet.
 struct EndEdges {
-  Matrix3 axes = Matrix3::Identity();             ///< see SheetEnds
-  bool isFlat = false;                            ///< see SheetEnds
-  int longest = 0;                                ///< see SheetEnds
+  Matrix3 axes = Matrix3::Identity();  ///< columns: the unit axes of the sheet
+  bool isFlat = false;                 ///< all polygons lie in one plane, across z
+  int longest = 0;                     ///< axis of the largest extent that has ends: 0 x, 1 y, 2 z
   std::array<std::vector<PolygonEdge>, 6> edges;  ///< XMIN to ZMAX, each sorted
 };
 
@@ -37,9 +37,9 @@ struct EndEdges {
 /// and no polygon lies between it and the outside. The axes of a flat sheet in any plane are the
 /// sides of the smallest rectangle around it and its normal, x at most 45 degrees from that of
 /// model::sheetFrame(). Other sheets have the world's axes. ZMIN and ZMAX of flat sheets are empty.
-/// Of equal rectangles, and of equal sides for the longest axis, the links choose, which rotate
-/// with the sheet. Polygons are anticlockwise seen from their normals. Costs the edges near an end
-/// times all edges.
+/// If several rectangles are equal, or several sides for the longest axis, the positions of the
+/// links decide, since they rotate with the sheet. Polygons are anticlockwise seen from their
+/// normals. Costs the edges near an end times all edges.
 EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons,
                       const std::vector<PolygonLink>& links, double tileSize);
 

@@ -18,7 +18,7 @@ struct AutomaticView {
 };
 
 /// The view that shows most of the tiles in all states together, fronts before backs. The first
-/// state is upright in it. The same for tiles in other places, units, orders and numbers.
+/// state is upright in it. The same for tiles at other positions, units, orders and numbers.
 /// states: one list of tiles each, at least one state and one tile; corners are anticlockwise seen
 /// from the front. zIsUp: a ground makes z the upward direction of the picture, and hides what is
 /// seen from below; else a flat first state is laid down first. Takes about 0.1 s. Throws

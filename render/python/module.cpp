@@ -11,7 +11,7 @@ namespace {
 
 using namespace kirireel;
 
-/// Errors are those of the program, and also what Python calls such errors.
+/// Adds the classes of the program's errors. Each also derives from Python's class for such errors.
 void addErrors(py::module_& module) {
   py::register_exception<Error>(module, "Error");
   const py::object base = module.attr("Error");

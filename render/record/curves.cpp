@@ -638,7 +638,7 @@ struct DiagramAxes {
     return {box.left + acrossShare * box.width, box.lower() - upShare * box.height};
   }
 
-  /// The place of a sample; absent if it is not drawn.
+  /// The position of a sample; absent if it is not drawn.
   std::optional<Eigen::Vector2d> pointOf(const PlotLine& line, std::size_t sample) const {
     const double value = line.values[sample], at = line.across[sample];
     if (!std::isfinite(at) || !std::isfinite(value)) return std::nullopt;
@@ -734,7 +734,7 @@ std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const Diagram
   return lines;
 }
 
-/// Finds axes and places of texts of a diagram in its column. Lengths are in em of the text.
+/// Finds axes and positions of texts of a diagram in its column. Lengths are in em of the text.
 class DiagramLayout {
  public:
   /// `left`, `right`: of the column, pixels. The runs and the diagram must outlive it.
@@ -971,7 +971,7 @@ class Plotter {
   picture::LabelWriter writer_;
 };
 
-/// The places of the diagrams of a figure.
+/// The positions of the diagrams of a figure.
 struct PlotLayout {
   picture::PageBox first;  ///< the diagram at the upper left
   double across = 0;       ///< from one diagram to the next

@@ -16,9 +16,7 @@
 namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
-// Curves of a run as a figure for print.
-//
-// The figure is available as SVG, PDF and PNG, with the same size in print.
+// Diagrams of curves. A figure has the same size in print as SVG, PDF and PNG.
 
 /// The horizontal axis of a figure.
 struct PlotAbscissa {
@@ -47,10 +45,11 @@ struct PlotSettings {
   std::string madeBy;        ///< author and source, stored in the file
 };
 
-/// A file in this format with one diagram per group with values, two per row, and one line for each
-/// curve of each run, labelled in its colour. Groups with the same name and the same title of the
-/// abscissa share a diagram. Equal curves give equal bytes. Throws InputError if no group has
-/// values or a figure has more pixels than a frame may have, OutputError if the font is missing.
+/// The bytes of a figure in this format. It has one diagram per group with values, two per row, and
+/// one line for each curve of each run, labelled in its colour. Groups with the same name and the
+/// same title of the abscissa share a diagram. Equal curves give equal bytes. Throws InputError if
+/// no group has values or a figure has more pixels than a frame may have, OutputError if the font
+/// is missing.
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings);
 
@@ -78,7 +77,7 @@ class PlotSheet {
   /// Height of all diagrams in this width, `columns` per row; pixels.
   double height(double width, int columns) const;
 
-  /// Least height at which curves can be read, pixels.
+  /// Minimum height at which curves can be read, pixels.
   double minHeight(int columns) const;
 
   /// Draws all diagrams into a box, as parts whose names begin with `prefix`. Without a height the
@@ -117,7 +116,7 @@ std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::L
                                      double modelSize, const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------
-// The curves of a run as files: a table, and figures.
+// Files of one or more runs.
 
 /// Horizontal axis of a figure's curves.
 enum class CurvesAgainst {

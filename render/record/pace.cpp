@@ -141,7 +141,7 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
 }
 
 // ------------------------------------------------------------------------------------------------
-// StateInterpolator (sim/deploy/continuation.h) interpolates between two samples and closes the
+// StateInterpolator (sim/run/state_interpolator.h) interpolates between two samples and closes the
 // joints again. The last two samples are kept, so frames in sequence read each sample once.
 
 namespace {

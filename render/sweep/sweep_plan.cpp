@@ -150,9 +150,9 @@ std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives each value with its place in the
-// file, so every error has file, line and column. cli/sweep_command.cpp checks the keys against the
-// options of a run.
+// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives each value with its position in
+// the file, so every error has file, line and column. cli/sweep_command.cpp checks the keys against
+// the options of a run.
 //
 // A value is stored as the text of a command line ("25", "0,0,-9.81", "true"), because options read
 // such text. SweepRange::at() computes the numbers of a range.

@@ -17,7 +17,7 @@ struct SweepValue {
   bool isSwitch = false;  ///< true or false, not a text
   FileLocation where;     ///< in the sweep file
 
-  /// Compares the texts, not their places.
+  /// Compares the texts, not their positions in the file.
   bool operator==(const SweepValue& other) const { return text == other.text; }
 };
 

@@ -12,8 +12,8 @@
 // in the result have obstacle parts in world axes and the obstacle's own number.
 //
 // Bricks that share a corner are checked without that corner (pivotZone of an edge, see
-// model/contact.h). Otherwise bricks joined on one face could not fold at all, because the edges at
-// their joint already touch.
+// sim/brick/contact.h). Otherwise bricks joined on one face could not fold at all, because the
+// edges at their joint already touch.
 #include "sim/contacts/contact_finder.h"
 
 #include <algorithm>

@@ -632,7 +632,7 @@ class CutPatternReader {
     return readBest([&] { return readBest(asLines, asSlots); }, asMaterial);
   }
 
-  /// A place where a closed line crosses itself, or another one; absent if there is none.
+  /// A point where a closed line crosses itself, or another one; absent if there is none.
   std::optional<Vector2> crossingOf(const std::vector<PlaneRing>& rings, bool isItself) const {
     std::vector<PlaneSegment> sides;
     std::vector<std::size_t> ringOf;

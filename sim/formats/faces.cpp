@@ -6,8 +6,8 @@
 //
 // Faces of a drawing are the cycles of positive area of the planar graph (arrangement.cpp).
 //
-// Sheet and holes. A region next to the outside is sheet. From there on, a boundary edge (B)
-// separates sheet and hole, and any other edge has the same on both sides.
+// Sheet and holes. A region next to the outside is sheet. Of two other neighbouring regions, one is
+// sheet and one a hole if their common edge is a boundary (B). Otherwise both are the same.
 #include "sim/formats/faces.h"
 
 #include <algorithm>
@@ -215,7 +215,7 @@ class PlanarDrawing {
     std::optional<std::pair<std::size_t, std::size_t>> first;
     bool isCrossing = false;
     visitNearSegments(segments, 2 * tolerance(), [&](int a, int b) {
-      const bool cross = parts(a, b) && parts(b, a);
+      const bool cross = separatesEnds(a, b) && separatesEnds(b, a);
       if (!cross && !touches(a, b) && !touches(b, a)) return;
       const std::pair<std::size_t, std::size_t> pair = std::minmax(edgeNumber_[a], edgeNumber_[b]);
       if (first && *first <= pair) return;
@@ -246,7 +246,7 @@ class PlanarDrawing {
   }
 
   /// Whether the line of an edge has the ends of another one on different sides.
-  bool parts(int edge, int other) const {
+  bool separatesEnds(int edge, int other) const {
     const auto [low, high] = std::minmax(
         {alongEdge(ends_[other].first, edge).first, alongEdge(ends_[other].second, edge).first});
     return low < -tolerance() && high > tolerance();
@@ -319,7 +319,7 @@ class PlanarDrawing {
   std::filesystem::path file_;
   double size_ = 0;
   std::vector<Vector2> places_;
-  std::vector<std::pair<int, int>> ends_;  // of edges: the lowest vertices in their places
+  std::vector<std::pair<int, int>> ends_;  // of edges: the lowest vertices at their positions
   std::vector<std::size_t> edgeNumber_;    // in the file
   std::vector<bool> isBoundary_;           // of edges
   Arrangement graph_;

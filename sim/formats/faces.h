@@ -37,11 +37,11 @@ FacePairs coplanarFaces(const CornerNumbers& faces,
                         const std::vector<const std::vector<model::Tile>*>& states,
                         const std::set<std::pair<int, int>>* edges = nullptr);
 
-/// For each point the lowest number of a point in the same place, see samePlaceTolerance().
+/// For each point the lowest number of a point at the same position, see samePlaceTolerance().
 std::vector<int> numbersByPlace(const std::vector<Vector3>& points);
 
-/// The faces that the edges of a flat drawing enclose, anticlockwise seen from above. Vertices in
-/// one place are one. A region that boundary edges (B) part from the sheet is a hole.
+/// The faces that the edges of a flat drawing enclose, anticlockwise seen from above. Vertices at
+/// one position are one. A region that boundary edges (B) separate from the sheet is a hole.
 /// Throws InputError that names the file if the drawing is not flat, if edges cross without a
 /// vertex, if they enclose no face, and if a face has a separate drawing inside.
 CornerNumbers planarFaces(const std::vector<Vector3>& points,

@@ -660,7 +660,7 @@ class FacesInStates {
   std::vector<const std::vector<model::Tile>*> all_;
 };
 
-/// Gives vertices at one place one number, as in a mesh whose faces have their own vertices.
+/// Gives vertices at one position one number, as in a mesh whose faces have their own vertices.
 void mergeRepeatedVertices(const std::vector<std::vector<Vector3>>& states, const fs::path& file,
                            model::FoldSheet& drawing) {
   const FacesInStates faces(drawing.faces, states);
@@ -1006,7 +1006,7 @@ class Bonds {
   }
 
   States states_;
-  double tolerance_;                     // of one place, as lengths in the file
+  double tolerance_;                     // of one position, as lengths in the file
   std::set<std::pair<int, int>> fixed_;  // tiles
   std::set<std::pair<std::pair<int, int>, std::pair<int, int>>> joined_;  // corners
 };

@@ -163,7 +163,7 @@ class PatternReader {
   /// slit.
   void orientHinges() {
     PointNumbers places(endTolerance(), origin_);
-    std::unordered_map<int, int> hinges, ends, middles;  // counts at each place
+    std::unordered_map<int, int> hinges, ends, middles;  // counts at each position
     for (const DrawnLine& line : lines_) {
       const bool isHinge = line.layer == LineLayer::Hinges;
       for (const Vector2& end : {line.from, line.to}) ++(isHinge ? hinges : ends)[places.add(end)];

@@ -256,7 +256,7 @@ CornerNumbers meshNumbers(const CornerNumbers& numbers,
   DisjointSets parts = partsByNumbers(numbers);
   const auto isWhole = [&](int tile) { return parts.lowestOf(tile) == parts.lowestOf(0); };
   if (std::ranges::all_of(numbersBelow(numbers.size()), isWhole)) return numbers;
-  // At each place, the numbers of each part. Two numbers of one part are the sides of a slit.
+  // At each position, the numbers of each part. Two numbers of one part are the sides of a slit.
   const CornerNumbers places = coincidingNumbers(states, file);
   std::map<int, std::map<int, std::set<int>>> numbersAt;
   for (std::size_t tile = 0; tile < numbers.size(); ++tile) {

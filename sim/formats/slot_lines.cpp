@@ -98,7 +98,7 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
-/// A ring without the parts that begin and end at the same place and are smaller than the square
+/// A ring without the parts that begin and end at the same position and are smaller than the square
 /// of a slot's width, which buffers leave.
 PlaneRing withoutSmallLoops(PlaneRing ring, double kerf, double tolerance) {
   const auto lengthAt = [&](std::size_t k) {
@@ -277,11 +277,11 @@ const GEOSGeometry* materialOf(GeosPlane& plane, const SheetRings& rings) {
   return rings.removed.empty() ? material : plane.difference(material, plane.united(rings.removed));
 }
 
-/// Centre lines of slots as edges between places.
+/// Centre lines of slots as edges between positions.
 struct CentreLines {
   std::vector<Vector2> places;
   std::vector<std::pair<int, int>> edges;
-  std::vector<double> slotLengths;  // of the connected lines, by place
+  std::vector<double> slotLengths;  // of the connected lines, by position
   std::vector<int> ends;            // places of one line
 };
 

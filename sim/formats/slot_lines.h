@@ -20,7 +20,7 @@ struct CutLines {
   std::map<std::string, int> leftOut;  ///< lines that are not cuts, with their numbers
 };
 
-/// Closed chains of the paths' lines. Lines whose ends meet, an even number at each place, make
+/// Closed chains of the paths' lines. Lines whose ends meet, an even number at each position, make
 /// one. `open` receives the other paths.
 std::vector<PlaneRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
                                    std::vector<const DrawnPath*>& open);

@@ -12,7 +12,7 @@ namespace kirireel::generate {
 /// Largest allowed residual of an exact equation. Largest seen: 2e-14.
 inline constexpr double kExactFit = 1e-11;
 
-/// Values of equations (zero when they hold) and their slopes, at one point.
+/// Values of equations (zero if they hold) and their derivatives, at one point.
 class EquationRows {
  public:
   /// Begins the next equation.

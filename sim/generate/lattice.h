@@ -61,7 +61,7 @@ using Complex = std::complex<double>;
 /// Tiles keep their shape and joints stay closed at every theta and for any constants. Each 2 x 2
 /// block of positions is a void. It is closed at theta = 0 and at pi if the block's constants
 /// (lower left 00, right 10, above 01, opposite 11) fulfil
-///   F11 - F00 = s lambda (F10 - F01),   s = 1 if place 00 is even, else -1,   lambda > 0 real.
+///   F11 - F00 = s lambda (F10 - F01),   s = 1 if cell 00 is even, else -1,   lambda > 0 real.
 class TurningField {
  public:
   /// A field whose constants are all 0.

@@ -11,7 +11,7 @@ namespace kirireel::generate {
 
 /// An edge-to-edge tiling of a patch of the plane, edges of 1 m, about the origin.
 struct Tiling {
-  std::vector<std::complex<double>> vertices;  ///< anticlockwise, in the plane of complex numbers
+  std::vector<std::complex<double>> vertices;  ///< by number; x + i y
   std::vector<std::vector<int>> tiles;         ///< vertex numbers, anticlockwise
   std::vector<std::complex<double>> duals;  ///< point of each tile in the grids. Duals of the tiles
                                             ///< around an inner vertex are corners of a convex

@@ -2,18 +2,18 @@
 // direction of slip. Here it is a sum over a few points. A polygon is cut from its centroid c to
 // the middles of its sides, so each corner has a quadrilateral
 //   x(s, t) = (1 - s)(1 - t) c + s (1 - t) m + s t (corner) + (1 - s) t n,      0 <= s, t <= 1,
-// with the middles m and n of the sides at the corner. Gauss' two places for s and t give 2 x 2
+// with the middles m and n of the sides at the corner. Gauss' two points for s and t give 2 x 2
 // points with the shares |dx/ds x dx/dt| / 4. A slender quadrilateral has 6 x 1 points instead: in
 // fast spin the part near c resists slip most. The distance from c, which a turn about c needs, is
 // no polynomial: distances are scaled by the quotient of its exact mean and that of the points.
-// With d the distance of a side from c and u d the place on it, the exact integral of the distance
-// over the triangle from c to the side is
+// With d the distance of a side from c and u d the position on it, the exact integral of the
+// distance over the triangle from c to the side is
 //   d^3 / 6 [u sqrt(1 + u^2) + asinh u].
 //
-// If the push is not at the centroid, the pressure is not even, and which one it is depends on how
-// bricks give. The points are then moved to q + s (x - c), with q the centre of the push and the
-// largest s <= 1 that keeps the polygon within itself: each side at the distance d(c) from the
-// centroid allows s = d(q) / d(c).
+// If the resultant of the pressure is not at the centroid, the pressure is not uniform. Its
+// distribution depends on the deformation of the bricks, which is not computed. The points are then
+// moved to q + s (x - c), with q the point of the resultant and the largest s <= 1 that keeps the
+// polygon within itself: each side at the distance d(c) from the centroid allows s = d(q) / d(c).
 #include "sim/mechanics/friction_region.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@
 namespace kirireel::mechanics {
 namespace {
 
-/// One of Gauss' places on [0, 1], with its weight.
+/// One of Gauss' points on [0, 1], with its weight.
 struct GaussPlace {
   double at;
   double weight;
@@ -47,7 +47,7 @@ constexpr std::array<GaussPlace, 6> kSlenderPlaces = {{{0.033765242898424, 0.085
 constexpr double kSlender = 3;
 // Hulls narrower than this fraction of their length are lines, shorter ones points.
 constexpr double kNarrow = 1e-9;
-// A region shrunk to less than this part is a point.
+// A region that is scaled by less than this factor is a point.
 constexpr double kPoint = 1e-6;
 
 using Polygon = std::vector<Vector3>;
@@ -67,7 +67,7 @@ double distanceIntegral(const Polygon& polygon, const Vector3& normal, const Vec
   return sum;
 }
 
-/// Places along a quadrilateral's length, if its width is as given.
+/// Gauss' points along a quadrilateral's length, if its width is as given.
 std::span<const GaussPlace> placesAlong(double length, double width) {
   if (length > kSlender * width) return kSlenderPlaces;
   if (width > kSlender * length) return kMiddle;

@@ -1,5 +1,5 @@
-// Rigid pieces. A piece P of bricks i with masses m_i, inertias I_i and places r_i from its centre
-// of mass has the mass sum m_i and the inertia
+// Rigid pieces. A piece P of bricks i with masses m_i, inertias I_i and positions r_i from its
+// centre of mass has the mass sum m_i and the inertia
 //   I = sum R_i I_i R_i^T - m_i [r_i]x [r_i]x .
 // It moves with the momentum of its bricks, P = sum m_i v_i and L = sum m_i r_i x v_i + I_i w_i, so
 // that v = P / m and w = I^-1 L. A load on brick i with the map G_i = [1, -[r_i]x; 0, 1] from the

@@ -294,7 +294,7 @@ class Mechanism {
   bool isExact() const { return std::isinf(jointStiffness_); }
   bool isTouching() const { return scene_.environment.contacts != scene::ContactFilter::None; }
 
-  /// Distance from a state to a place in the metric of the mechanism, metres.
+  /// Distance from a state to other poses in the metric of the mechanism, metres.
   double distance(const Poses& state, const Poses& place) const {
     return run::pathDistance(bricks_, state, place, turnWeight_);
   }
@@ -310,7 +310,8 @@ class Mechanism {
     aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
   }
 
-  /// The velocities that move free bricks by the fraction `aim` of the distance to a place, in 1 s.
+  /// The velocities that move free bricks by the fraction `aim` of the distance to other poses, in
+  /// 1 s.
   static std::vector<Velocity> aimedAt(const Poses& from, const Poses& place, double aim) {
     std::vector<Velocity> velocities;
     for (std::size_t i = 0; i < from.size(); ++i) {
@@ -499,7 +500,7 @@ class Continuation {
     keep();
   }
 
-  /// Without contacts, nothing fixes the place of a piece; see withoutDrift().
+  /// Without contacts, nothing fixes the position of a piece; see withoutDrift().
   void removeDrift() {
     const bool isPlanar = scene::sceneNeeds(scene_).planar.on;
     for (std::size_t k = 1; k < path_.states.size(); ++k) {
@@ -678,7 +679,7 @@ run::MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> g
       .along(std::move(guide));
 }
 
-/// Ends a path at its state nearest to a place.
+/// Ends a path at its state nearest to other poses.
 void endNearest(const std::vector<brick::Brick>& bricks, const Poses& place,
                 run::MechanismPath& path) {
   const auto nearest = std::ranges::min_element(

@@ -39,8 +39,8 @@ class NearGapFinder {
   /// points within `reach` metres of its nearest point.
   std::vector<NearGap> find(const Poses& poses, double margin, double reach);
   /// The same for a state between two others, by the planes that separate the pairs in these two.
-  /// Each of them then shares its planes with the state, so bricks that are apart along both are
-  /// also apart on the two short ways (to the second order).
+  /// Each of these two then has planes in common with the state. So bricks that are apart along
+  /// both planes are also apart on the moves between the states (to the second order).
   std::vector<NearGap> findBetween(const std::array<Poses, 2>& ends, const Poses& poses,
                                    double margin, double reach);
 

@@ -123,7 +123,7 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
 }
 
-/// All corners within this distance of the place, as seen from above.
+/// All corners within this distance of the position, as seen from above.
 std::vector<model::Corner> cornersAt(const std::vector<model::Tile>& tiles, const Vector3& place,
                                      double same) {
   std::vector<model::Corner> found;

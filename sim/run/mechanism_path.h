@@ -44,8 +44,8 @@ double pathDistance(const std::vector<brick::Brick>& bricks, const Poses& from, 
 Eigen::VectorXd displacement(const std::vector<brick::Brick>& bricks, const Poses& from,
                              const Poses& to);
 
-/// The polynomial through these states, each at its own node, at `place` (Lagrange). Rotations are
-/// interpolated as vectors from `origin`.
+/// The polynomial through these states, each at its own node, evaluated at `place` (Lagrange).
+/// Rotations are interpolated as vectors from `origin`.
 Poses polynomialAt(double place, std::span<const double> nodes, std::span<const Poses> states,
                    const Poses& origin);
 

@@ -19,8 +19,8 @@ namespace kirireel::run {
 /// The speed of the fastest corner of a brick, m/s.
 double fastestCorner(const std::vector<brick::Brick>& bricks, const Motion& motion);
 
-/// Detects rest: no corner is faster than the scene's settle speed, or speeds lead nowhere. A run
-/// also rests if its steps keep failing and no brick moves.
+/// Detects rest: no corner is faster than the scene's settle speed for the scene's settle time. A
+/// run also rests if its steps keep failing and no brick moves.
 class RestWatch {
  public:
   /// Keeps a reference to `bricks`.

@@ -243,8 +243,8 @@ DeploymentResult Run::result() {
   return result;
 }
 
-// First-order steps and stiff springs can add energy without any input. Places that are off by the
-// tolerance change the energy in gravity by so much, which says nothing.
+// First-order steps and stiff springs can add energy without any input. Steps to a tolerance may
+// move the bricks by this tolerance, which changes their potential energy. No warning for that.
 void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
   if (bricks_.scene.actuation.drive != scene::Drive::None) return;
   const RunMechanics::Account account = recorder_.account();
@@ -256,8 +256,8 @@ void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
     for (const brick::Brick& brick : bricks_.bricks) {
       weight += brick.mass * bricks_.scene.environment.gravity.norm();
     }
-    const double place = bricks_.scene.solver.tolerance * model::tileSize(bricks_.scene.model);
-    allowed = std::max(allowed, place * weight);
+    const double move = bricks_.scene.solver.tolerance * model::tileSize(bricks_.scene.model);
+    allowed = std::max(allowed, move * weight);
   }
   if (!(gain > allowed)) return;
   warnings.push_back(fmt::format(

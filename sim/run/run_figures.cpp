@@ -1,7 +1,7 @@
 // Figures of a run, measured at its start, after and within each step, at each sample and between
-// samples. A maximum or minimum keeps its state and can be recomputed from the trajectory. Sums
-// (mean gap, cost) follow from the records of the steps. Each sample takes the records up to its
-// own time.
+// samples. The state of each maximum and minimum is stored, so it can be recomputed from the
+// trajectory. Sums (mean gap, cost) follow from the records of the steps. Each sample takes the
+// records up to its own time.
 #include "sim/run/run_figures.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The hard cases: singular starts, redundant and inconsistent joints, extreme masses, thicknesses,
-// stiffnesses and steps, friction with a known solution, contacts in narrow places, a large sheet;
+// stiffnesses and steps, friction with a known solution, contacts in narrow gaps, a large sheet;
 // and inputs that must be rejected.
 
 #include <algorithm>
