@@ -494,10 +494,11 @@ struct PlotLine {
   const std::vector<double>& across;
   const std::vector<double>& values;
   const std::vector<bool>& isDashed;  ///< see PlottedRun
+  bool isWhollyDashed = false;        ///< a reference, or one of two lines in a colour
 
   bool hasDashes() const { return std::ranges::find(isDashed, true) != isDashed.end(); }
   bool isDashedAfter(std::size_t sample) const {
-    return sample < isDashed.size() && isDashed[sample];
+    return isWhollyDashed || (sample < isDashed.size() && isDashed[sample]);
   }
 };
 
@@ -556,6 +557,9 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
       std::string& name = diagrams[k].lines[line].name;
       if (isOne) name = curves[k][line]->name;
       if (!isOne && !isOnly) name += ", " + curves[k][line]->name;
+      const bool repeatsColour = line / std::size(kLines) % 2 == 1;
+      diagrams[k].lines[line].isWhollyDashed = repeatsColour || curves[k][line]->isReference;
+      if (diagrams[k].lines[line].isWhollyDashed) name += " (dashed)";
     }
   }
   return diagrams;

@@ -18,12 +18,16 @@
 #include <utility>
 
 #include "sim/model/isometry.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel::trajectory {
 namespace {
 
 /// Largest contradiction, as a fraction of the sheet.
 constexpr double kExact = 1e-9;
+
+/// An opening at which the degrees of freedom are counted, radians: closed states have more.
+constexpr double kGeneric = 0.7;
 
 std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> vertices;
@@ -79,6 +83,9 @@ std::optional<ExactMotion> ExactMotion::find(const model::Model& model) {
       return std::nullopt;
     }
   }
+  const Mobility mobility =
+      trajectory::mobility(model, motion.tilesAt(kGeneric), Freedom::Plane, sizeOf(model.tiles));
+  if (mobility.freedoms != 1) return std::nullopt;
   return motion;
 }
 

@@ -11,11 +11,12 @@
 namespace kirireel::trajectory {
 
 /// The motion of a flat sheet whose joined tiles rotate by equal angles in opposite directions, for
-/// example rotating squares. All joints have the same opening.
+/// example rotating squares. All joints have the same opening, and the sheet has no other motion in
+/// its plane.
 class ExactMotion {
  public:
-  /// Absent unless the start is flat, pivots connect all tiles, and the joints stay closed in such
-  /// a motion, to 1e-9 of the sheet.
+  /// Absent unless the start is flat, pivots connect all tiles, the joints stay closed in such a
+  /// motion (to 1e-9 of the sheet), and it is the only one: see mobility().
   static std::optional<ExactMotion> find(const model::Model& model);
 
   /// The tiles of one of the two states with this opening since the start (radians, >= 0), moved by

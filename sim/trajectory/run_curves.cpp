@@ -50,6 +50,7 @@ struct CurveRow {
   double (*value)(const Figures&);
   const char* description = nullptr;
   bool isLogarithmic = false;
+  bool isReference = false;
 };
 
 /// A value of runs with dynamics; NaN for others.
@@ -194,7 +195,7 @@ constexpr CurveRow kCurves[] = {
      true},
     {"Radius", "m", "radius", "radius_m", [](F f) { return largestRadius(f.tiles); }},
     {"Radius", "m", "exact", "radius_exact_m",
-     [](F f) { return f.exact.empty() ? kNone : largestRadius(f.exact); }},
+     [](F f) { return f.exact.empty() ? kNone : largestRadius(f.exact); }, nullptr, false, true},
     {"Shape error", "m", "largest", "shape_error_m",
      [](F f) { return shapeError(f, &VertexDistance::largest); }, nullptr, true},
     {"Shape error", "m", "mean", "shape_error_mean_m",
@@ -317,7 +318,7 @@ std::vector<CurveGroup> curveGroups(const LengthUnit& unit) {
     }
     std::string column = row.column;
     if (groups.back().lengthPower > 0) column.replace(column.rfind("_m") + 1, 1, unit.name);
-    groups.back().curves.push_back({row.name, column, {}});
+    groups.back().curves.push_back({row.name, column, {}, row.isReference});
   }
   return groups;
 }

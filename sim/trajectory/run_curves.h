@@ -21,6 +21,7 @@ struct Curve {
   std::string name;            ///< one short phrase, such as "width"
   std::string column;          ///< in tables, with its unit, such as "width_mm"
   std::vector<double> values;  ///< one per sample; NaN if undefined
+  bool isReference = false;    ///< exact values for the other curves: dashed in plots
 
   /// Whether a plot shows it: two consecutive samples are numbers, or the only sample is one.
   bool hasLine() const;

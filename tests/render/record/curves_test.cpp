@@ -72,6 +72,24 @@ std::ptrdiff_t linesIn(const std::string& svg, const std::string& colour) {
   return count;
 }
 
+/// Seven curves in six colours, and one for comparison.
+TEST(CurvesPlot, DashLinesOfARepeatedColourAndReferences) {
+  record::PlottedRun run = someRun();
+  trajectory::CurveGroup& group = run.groups[0];
+  group.curves.clear();
+  for (int k = 0; k < 7; ++k) {
+    group.curves.push_back({fmt::format("c{}", k), "c", {0, 1.0 + k, 2.0 + k}});
+  }
+  group.curves[3].isReference = true;
+  const std::string svg = record::plotCurves({run}, picture::PageFormat::Svg, {});
+  EXPECT_THAT(svg, HasSubstr("c6 (dashed)"));
+  EXPECT_THAT(svg, HasSubstr("c3 (dashed)"));
+  EXPECT_THAT(svg, Not(HasSubstr("c0 (dashed)")));
+  EXPECT_GT(linesIn(svg, "#2b64a6"), 10);  // one line and the dashes of another
+  EXPECT_GT(linesIn(svg, "#943e82"), 10);
+  EXPECT_EQ(linesIn(svg, "#46464c"), 1);
+}
+
 TEST(LoadCurves, AreForcesOverDisplacements) {
   const std::vector<record::PlottedRun> runs = record::loadCurvesOf("run", someLoadCurve(), 1);
   ASSERT_EQ(runs.size(), 2u);
