@@ -1,7 +1,8 @@
 // Steps to a tolerance among contacts: extrapolated steps (extrapolation.h) among contacts that are
 // held.
 //
-// 1. Contacts that still touch are held.
+// 1. Contacts that still touch are held. Bricks at rest at a singular state leave it
+//    (singular_start.h).
 // 2. A filter checks each step. If bricks collide during the step, it is rejected, and the violated
 //    contacts are stored.
 // 3. For each of these contacts, bisection on cubics between the step's ends finds the moment at
@@ -18,6 +19,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/mechanics/singular_start.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::run {
@@ -186,6 +188,11 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
   double goal = seconds;                // or the moment of the next impact
   std::vector<brick::Contact> closing;  // then
   int impacts = 0;
+  if (solver_.heldContacts().empty()) {
+    done = mechanics::leaveSingularState(solver_, settings_, motion, seconds, loads, isFree, report)
+               .value_or(0);
+    if (done > 0 && done < seconds - shortest) passed_.push_back({done, motion});
+  }
   while (done < seconds - shortest) {
     meeting_.reset();
     const auto taken = extrapolation_.step(motion, goal - done, fromHere, isFree, report);

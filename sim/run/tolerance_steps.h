@@ -35,6 +35,7 @@ class ToleranceSteps {
       : bricks_(bricks),
         solver_(solver),
         contacts_(contacts),
+        settings_(settings),
         firstOrderStep_(firstOrderStep),
         extrapolation_(bricks, solver, settings) {}
 
@@ -75,6 +76,7 @@ class ToleranceSteps {
   const std::vector<brick::Brick>& bricks_;
   mechanics::JointSolver& solver_;
   ToleranceContacts contacts_;
+  mechanics::ExtrapolationSettings settings_;
   double firstOrderStep_;  // seconds
   mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;

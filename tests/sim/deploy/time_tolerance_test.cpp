@@ -128,6 +128,89 @@ TEST(TimeTolerance, ReportsForHowLongContactsWereTooMany) {
   EXPECT_LT(run.accuracy.penetrationGrownMax, 1e-4);
 }
 
+/// Centres of the tiles of a tessellation relative to the first one, whose first edge is along x,
+/// at an angle between neighbours. Tiles turn by 0 or by that angle relative to the first one.
+std::vector<Vector3> centres(generate::TessellationShape shape, double angle) {
+  shape.startAngle = angle;
+  const model::Model model = generate::makeTessellation(shape);
+  const Vector3 edge = model.tiles[0].vertices[1] - model.tiles[0].vertices[0];
+  const Eigen::AngleAxisd back(-std::atan2(edge.y(), edge.x()), Vector3::UnitZ());
+  std::vector<Vector3> places;
+  for (const model::Tile& tile : model.tiles) {
+    Vector3 centre = Vector3::Zero();
+    for (const Vector3& vertex : tile.vertices) centre += vertex / 4;
+    places.push_back(centre);
+  }
+  const Vector3 first = places[0];
+  for (Vector3& place : places) place = back * (place - first);
+  return places;
+}
+
+/// Acceleration of the angle between neighbours of a sheet of unit squares of 1 kg, whose first
+/// tile is pinned, under gravity. Derivatives by differences.
+double angleAcceleration(const generate::TessellationShape& shape, const Vector3& gravity,
+                         double angle, double rate) {
+  constexpr double kStep = 1e-4;
+  const double from = std::max(angle - kStep, 0.0);
+  const auto a = centres(shape, from), b = centres(shape, from + kStep),
+             c = centres(shape, from + 2 * kStep);
+  const double at = (angle - from) / kStep;
+  double force = 0, mass = 0, change = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Vector3 bend = (a[i] - 2 * b[i] + c[i]) / (kStep * kStep);
+    const Vector3 slope = (c[i] - a[i]) / (2 * kStep) + (at - 1) * kStep * bend;
+    force += gravity.dot(slope);
+    mass += slope.squaredNorm();
+    change += slope.dot(bend);
+    const std::size_t row = i % static_cast<std::size_t>(shape.columns);
+    const std::size_t column = i / static_cast<std::size_t>(shape.columns);
+    if ((row + column) % 2 == 1) mass += 1.0 / 6;
+  }
+  return (force - change * rate * rate) / mass;
+}
+
+TEST(TimeTolerance, AClosedSheetFollowsItsEquationOfMotion) {
+  const Vector3 gravity(-1, 2, 0);
+  for (const int side : {2, 4}) {
+    generate::TessellationShape shape;
+    shape.columns = shape.rows = side;
+    double angle = 0, rate = 0;
+    constexpr int kSteps = 400;
+    constexpr double kStep = 1.0 / kSteps;
+    for (int k = 0; k < kSteps; ++k) {  // Runge and Kutta
+      const auto at = [&](double a, double r) { return angleAcceleration(shape, gravity, a, r); };
+      const double r1 = rate, f1 = at(angle, r1), r2 = rate + kStep / 2 * f1,
+                   f2 = at(angle + kStep / 2 * r1, r2), r3 = rate + kStep / 2 * f2,
+                   f3 = at(angle + kStep / 2 * r2, r3), r4 = rate + kStep * f3,
+                   f4 = at(angle + kStep * r3, r4);
+      angle += kStep / 6 * (r1 + 2 * r2 + 2 * r3 + r4);
+      rate += kStep / 6 * (f1 + 2 * f2 + 2 * f3 + f4);
+    }
+    const std::vector<Vector3> exact = centres(shape, angle);
+    for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+      for (const bool planar : {true, false}) {
+        scene::Scene scene = openingSheet(tolerance);
+        scene.model = generate::makeTessellation(shape);
+        scene.actuation.drive = scene::Drive::None;
+        scene.environment.gravity = gravity;
+        scene.environment.linearDamping = scene.environment.angularDamping = 0;
+        scene.solver.planar = planar;
+        scene.timeline = {{{}, scene::timeline::Pin{{0}}}};
+        scene.stop.duration = 1;
+        const run::DeploymentResult run = deployed(scene, 60);
+        const Poses& end = run.trajectory.samples.back().poses;
+        ASSERT_NEAR(run.trajectory.samples.back().time, 1, 1e-9);
+        double miss = 0;
+        for (std::size_t i = 0; i < end.size(); ++i) {
+          const Vector3 place = end[i].position - end[0].position;
+          miss = std::max(miss, (place - exact[i]).norm());
+        }
+        EXPECT_LT(miss, 4e-5) << side << ' ' << tolerance << ' ' << planar;
+      }
+    }
+  }
+}
+
 TEST(TimeTolerance, ContinuesThroughSingularStarts) {
   scene::Scene scene = openingSheet(1e-4);
   generate::TessellationShape shape;
