@@ -151,6 +151,13 @@ std::vector<std::string> wordsOf(const std::string& line) {
   return words;
 }
 
+/// NaN if it is not a number.
+double numberOf(const std::string& word) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  return word.empty() || *end != '\0' ? std::nan("") : value;
+}
+
 /// The column of a table as a separate run, in the group of the curve with that column.
 PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
                      const std::vector<trajectory::CurveGroup>& groups) {
@@ -167,22 +174,33 @@ PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
     throw InputError(fmt::format("{}:1: error: there is no column {}; give one of {}",
                                  column.file.string(), column.name, fmt::join(names, ", ")));
   }
-  std::size_t across = placeOf(columnOf(against));
-  if (across == names.size()) across = 0;
+  std::vector<std::vector<double>> rows;
+  while (std::getline(lines, line)) {
+    std::vector<double>& row = rows.emplace_back();
+    for (const std::string& word : wordsOf(line)) row.push_back(numberOf(word));
+    row.resize(names.size(), std::nan(""));
+  }
+  const auto hasNumbers = [&rows](std::size_t place) {
+    return std::ranges::any_of(rows, [place](const auto& row) { return !std::isnan(row[place]); });
+  };
   PlottedRun run;
   run.name = column.file.stem().string();
   run.abscissa.title = abscissaTitle(against);
+  std::size_t across = placeOf(columnOf(against));
+  if (across == names.size()) across = 0;
+  for (std::size_t place = 0; !hasNumbers(across) && place < names.size(); ++place) {
+    if (!hasNumbers(place)) continue;
+    across = place;
+    run.abscissa.title = names[place];
+  }
+  if (!hasNumbers(up) || !hasNumbers(across)) {
+    throw InputError(fmt::format("{}: error: the column {} has no numbers; give another",
+                                 column.file.string(), column.name));
+  }
   trajectory::Curve curve{column.name, column.name, {}};
-  const auto numberOf = [](const std::vector<std::string>& words, std::size_t place) {
-    if (place >= words.size() || words[place].empty()) return std::nan("");
-    char* end = nullptr;
-    const double value = std::strtod(words[place].c_str(), &end);
-    return *end == '\0' ? value : std::nan("");
-  };
-  while (std::getline(lines, line)) {
-    const std::vector<std::string> words = wordsOf(line);
-    run.abscissa.values.push_back(numberOf(words, across));
-    curve.values.push_back(numberOf(words, up));
+  for (const std::vector<double>& row : rows) {
+    run.abscissa.values.push_back(row[across]);
+    curve.values.push_back(row[up]);
   }
   run.groups = {{column.name, "", false, {curve}}};
   for (const trajectory::CurveGroup& group : groups) {
@@ -352,6 +370,23 @@ PlottedRun plottedCurve(const trajectory::TrajectoryReader& run, const std::stri
   return plotted;
 }
 
+namespace {
+
+/// The inputs in which a run of a sweep differs from others, for example "rows 4"; else its name.
+std::string nameAmong(const std::vector<NamedRun>& runs, const NamedRun& run) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : run.inputs) {
+    const bool differs = std::ranges::any_of(runs, [&](const NamedRun& other) {
+      const auto found = other.inputs.find(name);
+      return found == other.inputs.end() || found->second != value;
+    });
+    if (differs) texts.push_back(fmt::format("{} {}", name, value));
+  }
+  return texts.empty() ? run.name : fmt::format("{}", fmt::join(texts, ", "));
+}
+
+}  // namespace
+
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,
                                     const CurvesObserver& observer) {
@@ -366,7 +401,7 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
     for (PlottedRun& load : selectedLoadCurves(runs[k], settings)) {
       plotted.push_back(std::move(load));
     }
-    plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
+    plotted.push_back({nameAmong(runs, runs[k]), selectOthers(curves, hasLoadCurve, settings),
                        abscissaOf(curves, progress, settings.against)});
     plotted.back().rounding = roundingOf(*runs[k].reader);
     if (settings.selected.empty()) eraseEmpty(plotted.back().groups, plotted.back().rounding);
@@ -384,8 +419,9 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
 
 NamedRun openRun(const std::filesystem::path& trajectory) {
   auto reader = std::make_unique<trajectory::TrajectoryReader>(trajectory);
-  std::string name = std::filesystem::absolute(trajectory).parent_path().filename().string();
-  return {std::move(name), std::move(reader), readLoadCurve(trajectory)};
+  const std::filesystem::path folder = std::filesystem::absolute(trajectory).parent_path();
+  return {folder.filename().string(), std::move(reader), readLoadCurve(trajectory),
+          sweepInputs(folder)};
 }
 
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,

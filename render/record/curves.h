@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -141,6 +142,7 @@ struct NamedRun {
   std::string name;  ///< in figures of several runs
   std::unique_ptr<trajectory::TrajectoryReader> reader;
   std::optional<mechanics::LoadCurve> loadCurve = {};  ///< of a run under grips
+  std::map<std::string, std::string> inputs = {};      ///< of a run of a sweep, see sweepInputs()
 };
 
 /// The outputs of runs' curves.
@@ -149,7 +151,8 @@ struct CurvesSettings {
   /// rounding.
   std::vector<std::string> selected;
   /// Additional data, in the diagram of the curve with this column, else in a separate one. The
-  /// horizontal axis is the column with the same name as for runs, else the first.
+  /// horizontal axis is the column with the same name as for runs, else the first. If that has no
+  /// numbers, as in the table of a sweep, it is the first with numbers, under its own name.
   std::vector<FileColumn> columns;
   std::filesystem::path folder;                 ///< created if needed
   std::vector<picture::PageFormat> plots;       ///< curves.svg, curves.pdf, curves.png
@@ -168,7 +171,8 @@ using CurvesObserver = std::function<void(std::size_t run, const trajectory::Run
                                           const std::vector<double>& progress)>;
 
 /// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
-/// first model. Reads each trajectory once. Throws InputError if a run lacks the quantity of the
+/// first model. Runs of a sweep are named by the inputs in which they differ. Reads each trajectory
+/// once. Throws InputError if a run lacks the quantity of the
 /// axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,

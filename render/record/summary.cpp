@@ -35,6 +35,7 @@
 #include "render/picture/png.h"
 #include "render/picture/video.h"
 #include "render/writers/mesh.h"
+#include "sim/base/file_kinds.h"
 #include "sim/engines/bullet_world.h"
 #include "sim/run/forces.h"
 #include "sim/run/run_drive.h"
@@ -456,6 +457,18 @@ std::string versionText() {
   std::string text;
   for (const auto& [name, version] : allVersions()) text += fmt::format("{} {}\n", name, version);
   return text;
+}
+
+std::map<std::string, std::string> sweepInputs(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "run.json";
+  if (!isFile(file)) return {};
+  const Json run = parseJsonOrDiscard(readTextFile(file, "remove it if it is not a sweep's"));
+  std::map<std::string, std::string> inputs;
+  if (!run.is_object() || !run.contains("inputs")) return inputs;
+  for (const auto& [name, value] : run["inputs"].items()) {
+    if (value.is_string()) inputs[name] = value.get<std::string>();
+  }
+  return inputs;
 }
 
 }  // namespace kirireel::record

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -49,6 +50,10 @@ std::vector<std::pair<std::string, std::string>> allVersions();
 
 /// The same as text, one "name version" per line.
 std::string versionText();
+
+/// The inputs of a run of a sweep by their names, from run.json in its folder. Empty for other
+/// runs.
+std::map<std::string, std::string> sweepInputs(const std::filesystem::path& folder);
 
 // ------------------------------------------------------------------------------------------------
 // Checks that the files of a finished run are unchanged.

@@ -398,6 +398,43 @@ TEST_F(CurvesInUnits, OnlyRoundingIsShownOnRequest) {
   EXPECT_TRUE(hasGap({.selected = {"joint_gap"}}));
 }
 
+TEST_F(CurvesInUnits, RunsOfASweepAreNamedByTheirInputs) {
+  std::vector<record::NamedRun> runs;
+  for (const std::string rows : {"4", "8"}) {
+    const std::string folder = "hash" + rows;
+    recorded(folder, {});
+    const std::string inputs = R"({"model": "cap", "rows": ")" + rows + "\"}";
+    writeTextFile(folder_ / folder / "run.json", R"({"status": "done", "inputs": )" + inputs + "}");
+    runs.push_back(record::openRun(folder_ / folder / "trajectory.h5"));
+  }
+  const std::vector<record::PlottedRun> plotted = record::plottedRuns(runs, {});
+  EXPECT_EQ(plotted[0].name, "rows 4");
+  EXPECT_EQ(plotted[1].name, "rows 8");
+  runs.pop_back();
+  EXPECT_EQ(record::plottedRuns(runs, {})[0].name, "hash4");
+  writeTextFile(folder_ / "hash4" / "run.json", "[1, {]");
+  EXPECT_TRUE(record::openRun(folder_ / "hash4" / "trajectory.h5").inputs.empty());
+}
+
+TEST_F(CurvesInUnits, TableOfASweepHasItsParameterAsAxis) {
+  std::vector<record::NamedRun> runs;
+  runs.push_back(std::move(*recorded("run", {})));
+  const std::filesystem::path table = folder_ / "sweep.csv";
+  writeTextFile(table, "run,rows,outcome,end_time\n1a,4,settled,2.5\n2b,8,settled,3\n");
+  const auto plotOf = [&](const char* column) {
+    return record::plottedRuns(runs, {.columns = {{table, column}}}).back();
+  };
+  EXPECT_EQ(plotOf("end_time").abscissa.title, "rows");
+  EXPECT_THAT(plotOf("end_time").abscissa.values, ElementsAre(4, 8));
+  EXPECT_THAT(plotOf("end_time").groups[0].curves[0].values, ElementsAre(2.5, 3));
+  try {
+    plotOf("outcome");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("sweep.csv: error: the column outcome has no numbers"));
+  }
+}
+
 TEST(CurvesPlot, HasTextInItsPdf) {
   if (!test::hasProgram("pdftotext")) {
     GTEST_SKIP() << "no pdftotext here; scripts/setup --with-tools installs poppler-utils";
