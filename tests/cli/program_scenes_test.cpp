@@ -100,10 +100,12 @@ TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   EXPECT_EQ(planar.summary["outcome"], "locked");
   EXPECT_THAT(planar.summary["reason"].get<std::string>(), HasSubstr("short of the target"));
   const Simulated space = simulateScene("nonrigid", "nonrigid.toml");
+  EXPECT_EQ(space.end.exitCode, 0) << space.end.err;
   EXPECT_EQ(space.summary["outcome"], "settled");
   EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);  // measured 2e-12
-  // Between samples. Measured 1.3e-3, with other seeds and rotated 3e-4 to 6e-4.
   EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 2e-3);
+  // Between steps. Measured 1.1e-4; 3.7e-4 with steps of 1/240 s, which ends with exit code 3.
+  EXPECT_LT(space.summary["accuracy"]["penetration_grown_max"], 1.4e-4);
   double largest = 0;
   for (const trajectory::Sample& sample : space.run.samples)
     largest = std::max(largest, largestTilt(sample));
