@@ -189,9 +189,12 @@ std::optional<double> leaveSingularState(JointSolver& solver, const Extrapolatio
     for (Velocity& part : desired) part = {0.5 * step * part.linear, 0.5 * step * part.angular};
     if (isRegular(solver, scale, motion.poses, desired)) return std::nullopt;
     const auto near = stateOnPath(solver, settings, motion, now, trials);
-    if (!near) return std::nullopt;
-    const auto end = nearestOnPath(solver, scale, motion.poses, desired, speed, *near);
-    if (!end || (mayTake && !mayTake(motion, *end, step))) return std::nullopt;
+    std::optional<Motion> end;
+    if (near) end = nearestOnPath(solver, scale, motion.poses, desired, speed, *near);
+    if (!end || (mayTake && !mayTake(motion, *end, step))) {
+      report.singularTime += seconds;
+      return std::nullopt;
+    }
     motion = *end;
     countStep(solver, motion, step, now, trials, report);
     return step;

@@ -13,9 +13,9 @@ namespace kirireel::mechanics {
 /// acceleration by those velocities, in the metric of the masses: Gauss's principle of least
 /// constraint. The step is so short that the change of the loads is within the tolerance. The bend
 /// of the path adds an error of about 1e-4 of the speed at its end. Returns its length, seconds.
-/// Returns nothing, with an unchanged motion, if the state is regular, bricks move, `mayTake`
-/// refuses the step, or no such path is found,
-/// as in sheets of many bricks, whose joints are too near to singular at the step's end.
+/// Returns nothing, with an unchanged motion, if the state is regular or bricks move. Also if
+/// `mayTake` refuses the step or no such path is found, as in sheets of many bricks, whose joints
+/// are too near to singular at the step's end: then `seconds` count as StepReport::singularTime.
 std::optional<double> leaveSingularState(JointSolver& solver, const ExtrapolationSettings& settings,
                                          Motion& motion, double seconds, const TimedLoads& loads,
                                          const StepFilter& mayTake, StepReport& report);

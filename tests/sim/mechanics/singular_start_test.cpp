@@ -94,6 +94,21 @@ TEST(SingularStart, BricksAccelerateAlongThePath) {
   }
 }
 
+TEST(SingularStart, IsReportedIfNoPathIsFound) {
+  JoinedBricks sheet(tessellation(10, 10, 0));
+  const auto solver = sheet.solver(true);
+  StepReport report;
+  EXPECT_FALSE(leaveSingularState(*solver, {.tolerance = 1e-3}, sheet.motion, kSecond,
+                                  weight(sheet), {}, report));
+  EXPECT_EQ(report.singularTime, 0);  // without a pin the sheet falls as a whole
+  std::vector<bool> pins(sheet.bricks.size());
+  pins[0] = true;
+  solver->setPinned(pins);
+  EXPECT_FALSE(leaveSingularState(*solver, {.tolerance = 1e-3}, sheet.motion, kSecond,
+                                  weight(sheet), {}, report));
+  EXPECT_EQ(report.singularTime, kSecond);
+}
+
 TEST(SingularStart, OtherStatesAreLeftToUsualSteps) {
   for (const double angle : {0.01 * kDegree, 30 * kDegree}) {
     JoinedBricks sheet(tessellation(4, 4, angle));
