@@ -21,6 +21,9 @@
 
 namespace kirireel::record {
 
+inline constexpr int kMostFrameRate = 240;         ///< of a video, per second
+inline constexpr int kMostSampleRate = 1'000'000;  ///< of a run, per simulated second
+
 /// Distribution of a snapshot grid's pictures over a run; always includes the first and last.
 enum class SnapshotSpacing {
   Time,      ///< equal steps of simulated time
@@ -52,9 +55,11 @@ struct PictureSettings {
   std::optional<picture::GraphicsLibrary> graphics;  ///< library for drawing; absent: the default
   std::filesystem::path folder;  ///< created if needed; files of a previous run in it are replaced
   picture::FrameSize size;       ///< of video frames and of each snapshot
-  int framesPerSecond = 60;      ///< of the video, 1 to 240
-  Pace pace = Pace::Even;        ///< relation between video time and run
-  double length = 8;             ///< of a video at an even pace without title, seconds
+  /// Of the video, 1 to kMostFrameRate. Without painted frames only samples of the run have this
+  /// rate, 1 to kMostSampleRate.
+  int framesPerSecond = 60;
+  Pace pace = Pace::Even;  ///< relation between video time and run
+  double length = 8;       ///< of a video at an even pace without title, seconds
   double speed =
       1;  ///< simulated seconds per second of a video at real pace, > 0; < 1 is slow motion
   /// Additional seconds of the video's first and last frame; absent: 0.5 at an even pace, else

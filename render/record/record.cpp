@@ -74,10 +74,11 @@ void requireValidSettings(const PictureSettings& settings) {
   picture::requireValidSize(settings.size);
   if (settings.snapshots) requireGrid(settings);
   if (settings.video) picture::requireValidSettings(settings.videoFile, videoSettings(settings));
-  if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
+  const int most = settings.paintsFrames() ? kMostFrameRate : kMostSampleRate;
+  if (settings.framesPerSecond < 1 || settings.framesPerSecond > most) {
     throw InputError(
-        fmt::format("error: {} frames per second are not possible; give --fps 1 to 240",
-                    settings.framesPerSecond));
+        fmt::format("error: --fps {} is not possible; give 1 to {}{}", settings.framesPerSecond,
+                    most, settings.paintsFrames() ? ", or remove the video (--no-video)" : ""));
   }
   if (settings.video)
     picture::requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));

@@ -94,6 +94,27 @@ TEST_F(Scenes, ADragOpensTheFan) {
   EXPECT_EQ(dragged.poses[0].position, start.poses[0].position);
 }
 
+// Stiff springs oscillate hundreds of times per second. Videos have fewer frames.
+TEST_F(Scenes, SamplesMayBeDenserThanFramesOfAVideo) {
+  writeText(scratch_ / "wave.toml",
+            "[model]\nhinge_stiffness = 1e5\nno_align = true\n[actuation]\nactuation = \"none\"\n"
+            "[environment]\nlinear_damping = 0\nangular_damping = 0\ncontacts = \"none\"\n"
+            "[solver]\nplanar = \"on\"\ntolerance = 1e-6\n[stop]\nduration = 0.05\n"
+            "[[velocity]]\ntiles = [0]\nangular = [0, 0, 1]\n");
+  const std::string model = scratch_ / "sheet";
+  runKirireel(
+      {"generate", "tessellation", "--columns", "2", "--rows", "2", "--start-angle", "30", model});
+  const std::string scene = scratch_ / "wave.toml";
+  const Simulated wave = simulate(model, {"--scene", scene, "--fps", "2000"});
+  ASSERT_EQ(wave.run.samples.size(), 101u) << wave.end.err;
+  EXPECT_NEAR(wave.run.samples[1].time, 5e-4, 1e-12);
+  const ProgramEnd refused =
+      runKirireel({"record", model, "--scene", scene, "--fps", "278", "--out", scratch_ / "video"});
+  EXPECT_EQ(refused.exitCode, 2);
+  EXPECT_THAT(refused.err, HasSubstr("error: --fps 278 is not possible; give 1 to 240, or remove "
+                                     "the video (--no-video)"));
+}
+
 TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   const Simulated planar = simulateScene("nonrigid", "nonrigid.toml", {"--planar", "on"});
   EXPECT_EQ(planar.end.exitCode, kEndedShort);
