@@ -2,7 +2,7 @@
 // the constraints and the multipliers l of them and u = c - l of t >= 0, a step solves
 //   (H + A' W A) dy = -(H y + g - A' l) + A' W r,   W = 1 / (t / u + s / l),
 // whose matrix has the band of H. J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition,
-// 2006, chapter 16.
+// 2006, chapter 16. If the minimum without constraints satisfies all of them, it is the solution.
 #include "sim/path/banded_program.h"
 
 #include <algorithm>
@@ -28,10 +28,16 @@ constexpr double kFirst = 1e-2;
 constexpr double kPrice = 1e3;
 // A step uses this fraction of the distance at which a slack or a multiplier becomes zero.
 constexpr double kStepShare = 0.99;
-// The iteration ends at these fractions of the largest gradient and bound.
-constexpr double kComplementarity = 1e-7;
-constexpr double kStationarity = 1e-5;
-constexpr double kFeasibility = 1e-3;
+
+/// Residuals of a solution, as fractions of the largest gradient and bound.
+struct Tolerance {
+  double complementarity, stationarity, feasibility;
+};
+// The iteration ends at the first. Near it rounding can make the matrix indefinite: then the second
+// is enough. With 1e-7, 1e-5, 1e-3 for both, paths of one sheet at two places differed by 1e-5
+// tile.
+constexpr Tolerance kAim = {1e-10, 1e-7, 1e-6};
+constexpr Tolerance kEnough = {1e-7, 1e-5, 1e-3};
 
 MatrixXd times(const BandedMatrix& matrix, const MatrixXd& y) {
   MatrixXd product(y.rows(), y.cols());
@@ -70,18 +76,21 @@ class InteriorPoint {
 
   BandedSolution find() {
     y_ = MatrixXd::Zero(program_.gradient.rows(), program_.gradient.cols());
-    if (count_ == 0) return {unconstrained(), 1};
+    MatrixXd free = unconstrained();
+    if (free.size() == 0 || isFeasible(free)) return {std::move(free), 1};
     size_ = program_.priceScale;
     top_ = std::max(bounds_.abs().maxCoeff(), std::numeric_limits<double>::min());
     slack_ = (-bounds_).max(kFirst * top_);
     excess_ = ArrayXd::Constant(count_, kFirst * top_);
     multiplier_ = ArrayXd::Constant(count_, kFirst * size_);
     other_ = kPrice * size_ - multiplier_;
-    int steps = 0;
-    while (steps < kMaxSteps && !isSolved()) {
+    computeResiduals();
+    int steps = 1;
+    while (steps < kMaxSteps && !isSolved(kAim)) {
       checkInterruption();
       ++steps;
-      if (!step()) return {{}, steps};
+      if (!step()) return {isSolved(kEnough) ? y_ : MatrixXd(), steps};
+      computeResiduals();
     }
     return {y_, steps};
   }
@@ -108,6 +117,10 @@ class InteriorPoint {
     return values.array();
   }
 
+  bool isFeasible(const MatrixXd& y) const {
+    return count_ == 0 || (constraintsOf(y) - bounds_).minCoeff() >= 0;
+  }
+
   MatrixXd transposed(const ArrayXd& values) const {
     MatrixXd sum(y_.rows(), y_.cols());
     Eigen::Index row = 0;
@@ -119,14 +132,17 @@ class InteriorPoint {
     return sum;
   }
 
-  /// Computes the residuals of the current point. Returns whether they are small enough.
-  bool isSolved() {
+  void computeResiduals() {
     primal_ = constraintsOf(y_) - bounds_ + excess_ - slack_;
     dual_ = times(program_.hessian, y_) + program_.gradient - transposed(multiplier_);
     gap_ = ((slack_ * multiplier_).sum() + (excess_ * other_).sum()) / (2.0 * count_);
-    return gap_ < kComplementarity * size_ * top_ &&
-           dual_.cwiseAbs().maxCoeff() < kStationarity * size_ &&
-           primal_.abs().maxCoeff() < kFeasibility * top_;
+  }
+
+  /// Whether the residuals of the current point are below a tolerance.
+  bool isSolved(const Tolerance& tolerance) const {
+    return gap_ < tolerance.complementarity * size_ * top_ &&
+           dual_.cwiseAbs().maxCoeff() < tolerance.stationarity * size_ &&
+           primal_.abs().maxCoeff() < tolerance.feasibility * top_;
   }
 
   Direction direction(const BandedCholesky& factor, const ArrayXd& weights, const ArrayXd& toSlack,
@@ -147,12 +163,12 @@ class InteriorPoint {
 
   bool step() {
     const ArrayXd weights = 1 / (excess_ / other_ + slack_ / multiplier_);
+    const VectorXd roots = weights.sqrt().matrix();
     BandedMatrix matrix = program_.hessian;
     Eigen::Index row = 0;
     for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
       const MatrixXd& rows = program_.constraints[i];
-      const MatrixXd weighted =
-          weights.segment(row, rows.rows()).sqrt().matrix().asDiagonal() * rows;
+      const MatrixXd weighted = roots.segment(row, rows.rows()).asDiagonal() * rows;
       matrix.diagonal[i].selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
       row += rows.rows();
     }

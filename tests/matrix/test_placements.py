@@ -96,11 +96,11 @@ def compare(found, expected, t, model):
 
 
 def knownFailure(model, expected):
-    """Why a model misses the bounds; None for other models."""
+    """Why a model misses the bounds, and the bound that it keeps; None for other models."""
     if not model.target:
-        return "a long path is smoothed until its energy hardly falls: measured 2e-12 at the end, 5e-5 on the way"
+        return "rounding grows on the way from a singular start: measured 2e-12 at the end, 6e-8 on the way", 1e-6
     if expected[0][3]:
-        return "a path with contacts is smoothed until its energy hardly falls: measured 1e-2 on the way"
+        return "contacts of a path differ where planes separate bricks equally well: measured 1e-2 on the way", np.inf
     return None
 
 
@@ -124,7 +124,7 @@ def check(k, family, placements, scratch):
             states, figures = compare(found, expected, t, model)
             worst = max(worst, *states, figures)
             good = max(*states, figures) <= bound
-            reason = known
+            reason = known[0] if known and max(*states, figures) <= known[1] else None
             cell = f"states off by {', '.join(f'{x:.1g}' for x in states)}, figures by {figures:.1g}"
         except Failure as failure:
             good, reason, cell = False, None, str(failure)  # another outcome is never known
@@ -146,7 +146,7 @@ def main():
     held, failed = 0, 0
     with tempfile.TemporaryDirectory() as scratch:
         for k in range(first, first + models):
-            family = ("tessellation", "stars", "hexagons", "cylinder")[k % 4] if quick else names[(7 * k) % len(names)]
+            family = ("tessellation", "stars", "cap", "stampfli-chain")[k % 4] if quick else names[(7 * k) % len(names)]
             good, bad = check(k, family, placements, scratch)
             held, failed = held + good, failed + bad
     print(f"{held} of {models * placements} placements hold")
