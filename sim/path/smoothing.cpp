@@ -104,6 +104,7 @@ constexpr double kOpenOnPath =
     1e-9;                           // joints that are open by more on the found path are compliant
 constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
 constexpr double kRegular = 1e-12;  // added to J J', which redundant joints make singular
+constexpr double kClosedMove = 1e-10;  // change of a gap by a move of length 1 that keeps it closed
 // The budget must allow this many factorisations: about eight rounds.
 constexpr double kMinFactorisations = 100;
 
@@ -432,7 +433,9 @@ class Smoothing {
     least_.setState(poses);
     MatrixXd closed = neighbour.leftCols(free_);
     for (int k = 0; k < 2; ++k) {
-      closed = orthonormal(closed - least_.forChanges(least_.jacobian() * closed));
+      const MatrixXd changes = least_.jacobian() * closed;
+      if (k > 0 && changes.cwiseAbs().maxCoeff() < kClosedMove) break;
+      closed = orthonormal(closed - least_.forChanges(changes));
     }
     basis.leftCols(free_) = closed;
     if (isOpen) basis.rightCols(modes_.cols()) = orthonormal(least_.forChanges(modes_));
@@ -443,20 +446,23 @@ class Smoothing {
   /// metres.
   void appendGaps(const std::vector<NearGap>& near, const MatrixXd& basis, double overlap,
                   BandedProgram& program) const {
-    MatrixXd rows = MatrixXd::Zero(static_cast<Eigen::Index>(near.size()), basis.cols());
-    VectorXd bounds(static_cast<Eigen::Index>(near.size()));
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
+    const auto count = static_cast<Eigen::Index>(near.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    VectorXd bounds(count);
+    for (Eigen::Index row = 0; row < count; ++row) {
+      const NearGap& gap = near[static_cast<std::size_t>(row)];
       const auto add = [&](const Vector6& form, int brick) {
         for (int f = 0; f < joints_.freedoms(); ++f) {
-          rows.row(row) +=
-              joints_.partOf(form, brick, f) * basis.row(brick * joints_.freedoms() + f);
+          entries.emplace_back(row, brick * joints_.freedoms() + f, joints_.partOf(form, brick, f));
         }
       };
-      add(near[k].ofA, near[k].brickA);
-      add(near[k].ofB, near[k].brickB);
-      bounds[row] = -near[k].gap - overlap;
+      add(gap.ofA, gap.brickA);
+      add(gap.ofB, gap.brickB);
+      bounds[row] = -gap.gap - overlap;
     }
+    Eigen::SparseMatrix<double, Eigen::RowMajor> forms(count, joints_.columns());
+    forms.setFromTriplets(entries.begin(), entries.end());
+    MatrixXd rows = forms * basis;
     program.constraints.push_back(std::move(rows));
     program.bounds.push_back(std::move(bounds));
   }
