@@ -176,8 +176,9 @@ void closeAgain(const scene::Scene& scene, run::SearchBudget& budget,
 }
 
 /// Checks the target, and searches a path of the mechanism if the scene is kinematic.
+/// `mustBeClosed`: see path::planPath().
 void search(const scene::Scene& scene, run::SearchBudget& budget, const run::TrialObserver& watch,
-            Search& found) {
+            Search& found, bool mustBeClosed = false) {
   watch({kAssembling, 0});
   found.warnings = path::targetWarnings(scene);
   if (std::string rigid = rigidTilesWarning(scene); !rigid.empty()) {
@@ -212,7 +213,7 @@ void search(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
     }
     found.planned.trouble = reason;
   } else if (scene.model.target) {
-    found.planned = path::planPath(scene, found.nearest, budget, watch);
+    found.planned = path::planPath(scene, found.nearest, budget, watch, mustBeClosed);
   } else {
     extend(scene, budget, watch, found);
     requireMotion(scene, found.planned);
@@ -440,7 +441,7 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   inSpace.spaceReason = "only a path in space keeps joints closed without overlaps";
   run::SearchBudget budget;
   Search other;
-  search(inSpace, budget, watch, other);
+  search(inSpace, budget, watch, other, true);
   const std::optional<run::GeometricPath>& path = other.planned.path;
   if (!path || !path::isCollisionFree(inSpace, *path)) return;
   if (path->evaluation.opening > run::kAllowedOpening * model::tileSize(given.model)) return;

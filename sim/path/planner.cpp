@@ -73,6 +73,7 @@ constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, true, 1e3, true},
     {Guide::OwnMotion, true, 1e2, true, true},
     {Guide::OwnMotion, true, run::kExactJoints},
+    {Guide::FromTarget, true, run::kExactJoints, false, true},
 });
 constexpr double kStiffer = 10;
 // Joints are stiffened as long as each step leaves less than this fraction of the opening.
@@ -341,9 +342,10 @@ void addReasons(const scene::Scene& scene, run::GeometricPath& found) {
 class Planner {
  public:
   Planner(const scene::Scene& scene, const run::AssembledState& nearest, run::SearchBudget& budget,
-          const run::TrialObserver& observer)
+          const run::TrialObserver& observer, bool mustBeClosed)
       : scene_(scene),
         nearest_(nearest),
+        mustBeClosed_(mustBeClosed),
         order_(scene),
         budget_(budget),
         observer_(observer),
@@ -401,6 +403,7 @@ class Planner {
   void improveSelected() {
     run::GeometricPath& selected = *planned_.path;
     if (isImproved_ || selected.evaluation.end != run::PathEnd::Arrived) return;
+    if (mustBeClosed_ && !isClosed(selected, run::kAllowedOpening)) return;
     const double before = selected.evaluation.overlapGrowth;
     const auto improved =
         improve(scene_, selected, smoothing_, [&](double) { return report(kSmoothing); });
@@ -426,10 +429,10 @@ class Planner {
       return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
                                    : !firstArrives();
     }
-    // If exact joints do not arrive without contacts, they do not arrive with contacts either.
-    if (candidate.hasExactJoints() && candidate.guide != Guide::FromTarget && !firstArrives()) {
-      return false;
-    }
+    // If exact joints do not arrive without contacts, they do not arrive with contacts either. From
+    // the target back they are then the last resort, as they cost most there.
+    const bool isBackAtLast = candidate.guide == Guide::FromTarget && candidate.isLastResort;
+    if (candidate.hasExactJoints() && firstArrives() == isBackAtLast) return false;
     if (candidate.isLastResort && isCollisionFree(scene_, *planned_.path)) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     if (candidate.guide == Guide::GuidedRun) return scene_.springs.pull();
@@ -595,6 +598,7 @@ class Planner {
 
   const scene::Scene& scene_;
   const run::AssembledState& nearest_;
+  bool mustBeClosed_;
   PathOrder order_;
   run::SearchBudget& budget_;
   run::SearchBudget smoothing_;  // of the selected paths
@@ -653,8 +657,9 @@ bool isCollisionFree(const scene::Scene& scene, const run::GeometricPath& found)
 }
 
 PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
-                     run::SearchBudget& budget, const run::TrialObserver& observer) {
-  return Planner(scene, nearest, budget, observer).find();
+                     run::SearchBudget& budget, const run::TrialObserver& observer,
+                     bool mustBeClosed) {
+  return Planner(scene, nearest, budget, observer, mustBeClosed).find();
 }
 
 bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other) {

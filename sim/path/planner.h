@@ -31,9 +31,10 @@ bool overlaps(const scene::Scene& scene, const run::GeometricPath& found);
 
 /// Tries the candidates from the start to the state nearest to the target, until one arrives with
 /// exact joints and without overlaps. If none does, selects the best one. The result is never
-/// empty.
+/// empty. `mustBeClosed`: the caller uses no path with open joints, so none is improved.
 PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
-                     run::SearchBudget& budget, const run::TrialObserver& observer);
+                     run::SearchBudget& budget, const run::TrialObserver& observer,
+                     bool mustBeClosed = false);
 
 /// Whether a path is longer than another by more than 2%.
 bool extendsFarther(const run::GeometricPath& path, const run::GeometricPath& other);
