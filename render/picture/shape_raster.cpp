@@ -92,7 +92,7 @@ void ShapeRaster::add(std::span<const Eigen::Vector2d> corners) {
   }
   const std::size_t begin = corners_.size();
   corners_.insert(corners_.end(), corners.begin(), corners.end());
-  polygons_.push_back({begin, corners_.size(), shapes_.size() - 1});
+  polygons_.push_back({begin, corners_.size(), shapes_.size() - 1, highest.y(), lowest.y()});
 }
 
 void ShapeRaster::draw(Frame& frame) {
@@ -118,12 +118,7 @@ void ShapeRaster::cover(const Polygon& polygon, int upper) {
   std::array<double, kRows> left, right;  // samples
   const int rows = std::min(kStripRows, size_.height - upper) * kDown;
   const auto rowAt = [&](double y) { return ceilWithin((y - upper) * kDown - 0.5, rows); };
-  int begin = rows, end = 0;
-  for (std::size_t k = polygon.first; k < polygon.end; ++k) {
-    const int row = rowAt(corners_[k].y());
-    begin = std::min(begin, row);
-    end = std::max(end, row);
-  }
+  const int begin = rowAt(polygon.highest), end = rowAt(polygon.lowest);
   for (int row = begin; row < end; ++row) {
     left[row] = kFar;
     right[row] = -kFar;
@@ -132,6 +127,7 @@ void ShapeRaster::cover(const Polygon& polygon, int upper) {
     const Eigen::Vector2d* from = &corners_[k];
     const Eigen::Vector2d* to = &corners_[k + 1 < polygon.end ? k + 1 : polygon.first];
     if (from->y() > to->y()) std::swap(from, to);
+    if (to->y() <= upper || from->y() >= upper + kStripRows) continue;
     const int first = rowAt(from->y()), last = rowAt(to->y());
     if (first >= last) continue;
     const double slope = kAcross * (to->x() - from->x()) / (to->y() - from->y()) / kDown;

@@ -35,6 +35,7 @@ class ShapeRaster {
   struct Polygon {
     std::size_t first = 0, end = 0;  ///< in corners_
     std::size_t shape = 0;           ///< in shapes_
+    double highest = 0, lowest = 0;  ///< y, pixels
   };
   /// Pixels of a row that the present shape touches.
   struct Touched {
