@@ -375,12 +375,12 @@ namespace {
 /// The inputs in which a run of a sweep differs from others, for example "rows 4"; else its name.
 std::string nameAmong(const std::vector<NamedRun>& runs, const NamedRun& run) {
   std::vector<std::string> texts;
-  for (const auto& [name, value] : run.inputs) {
+  for (const auto& input : run.inputs) {
     const bool differs = std::ranges::any_of(runs, [&](const NamedRun& other) {
-      const auto found = other.inputs.find(name);
-      return found == other.inputs.end() || found->second != value;
+      const auto found = other.inputs.find(input.first);
+      return found == other.inputs.end() || found->second != input.second;
     });
-    if (differs) texts.push_back(fmt::format("{} {}", name, value));
+    if (differs) texts.push_back(fmt::format("{} {}", input.first, input.second));
   }
   return texts.empty() ? run.name : fmt::format("{}", fmt::join(texts, ", "));
 }
