@@ -22,17 +22,17 @@ namespace {
 // Size of the step, length scales. The bend of the path changes the speed at its end by about this
 // share. Smaller steps end too near to the singular state, where the joints' determinant is
 // proportional to the distance.
-constexpr double kLeastSize = 1e-5;
-constexpr double kMostSize = 1e-3;
+constexpr double kMinSize = 1e-5;
+constexpr double kMaxSize = 1e-3;
 constexpr double kShortestFirst = 1e-3;  // over the longest step
 constexpr double kSingular = 0.1;        // share of d that closing takes away at singular states
 constexpr double kFirstOrder = 0.25;     // such a step, over the longest step
-constexpr long kMostSteps = 100;         // of these in one search, halves included
-constexpr unsigned kMostSearches = 16;
-constexpr long kMostBrickSteps = 20000;  // of all searches, times the number of bricks
-constexpr double kSameSize = 1e-4;       // of changes that end the search, over the step
-constexpr double kSameSpeed = 1e-6;      // of changes that end a projection, over the speed
-constexpr int kMostRounds = 30;
+constexpr long kMaxSteps = 100;          // of these in one search, halves included
+constexpr unsigned kMaxSearches = 16;
+constexpr long kMaxBrickSteps = 20000;  // of all searches, times the number of bricks
+constexpr double kSameSize = 1e-4;      // of changes that end the search, over the step
+constexpr double kSameSpeed = 1e-6;     // of changes that end a projection, over the speed
+constexpr int kMaxRounds = 30;
 constexpr double kClosedJoints = 1e-10;  // length scales
 constexpr double kMoment = 1e-3;         // over the step: a time in which losses are measured
 
@@ -86,10 +86,10 @@ bool isRegular(JointSolver& solver, double scale, const Poses& start, const Move
 std::optional<Poses> followLoads(JointSolver& solver, const ExtrapolationSettings& settings,
                                  const Motion& start, const LoadSource& loads, StepReport& report) {
   Motion state = start;
-  const double most = kMostSize * settings.lengthScale;
-  const long last = report.steps + kMostSteps;
+  const double most = kMaxSize * settings.lengthScale;
+  const long last = report.steps + kMaxSteps;
   double size = 0;
-  for (long k = 0; k < kMostSteps && report.steps < last && size < most; ++k) {
+  for (long k = 0; k < kMaxSteps && report.steps < last && size < most; ++k) {
     report += solver.advance(state, kFirstOrder * settings.longestStep, loads, nullptr);
     size = sizeOf(moveBetween(start.poses, state.poses), settings.lengthScale);
   }
@@ -103,8 +103,8 @@ std::optional<Poses> followLoads(JointSolver& solver, const ExtrapolationSetting
 std::optional<Poses> stateOnPath(JointSolver& solver, const ExtrapolationSettings& settings,
                                  const Motion& start, const LoadSource& loads, StepReport& report) {
   std::optional<Poses> found;
-  const long last = report.steps + kMostBrickSteps / static_cast<long>(start.poses.size());
-  for (unsigned search = 0; search < kMostSearches && report.steps < last && !found; ++search) {
+  const long last = report.steps + kMaxBrickSteps / static_cast<long>(start.poses.size());
+  for (unsigned search = 0; search < kMaxSearches && report.steps < last && !found; ++search) {
     const LoadSource mixed = [&](const Poses& poses, std::vector<brick::Load>& out) {
       loads(poses, out);
       std::mt19937 bits(search);
@@ -121,7 +121,7 @@ std::optional<Poses> stateOnPath(JointSolver& solver, const ExtrapolationSetting
 /// state each projection is incomplete.
 bool projectFully(JointSolver& solver, double scale, Motion& motion) {
   const double size = sizeOf(motion.velocities, scale);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Move before = motion.velocities;
     if (!solver.collide(motion)) return false;
     if (sizeOf(sum(before, -1, motion.velocities), scale) <= kSameSpeed * size) return true;
@@ -136,7 +136,7 @@ std::optional<Motion> nearestOnPath(JointSolver& solver, double scale, const Pos
                                     const Poses& near) {
   const double size = sizeOf(desired, scale);
   Motion end{near, velocities};
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     if (!(solver.project(end) <= kClosedJoints * scale)) return std::nullopt;
     Motion rest{end.poses, sum(desired, -1, moveBetween(start, end.poses))};
     if (!projectFully(solver, scale, rest) || !projectFully(solver, scale, end))
@@ -183,8 +183,8 @@ std::optional<double> leaveSingularState(JointSolver& solver, const Extrapolatio
     const Move speed = sum(half, 1, half);
     const double size = 0.5 * step * sizeOf(speed, scale);
     const double error = 0.5 * step * sizeOf(sum(whole, -1, speed), scale);
-    if (size < kLeastSize * scale) return std::nullopt;
-    if (size > kMostSize * scale || error > settings.tolerance * scale) continue;
+    if (size < kMinSize * scale) return std::nullopt;
+    if (size > kMaxSize * scale || error > settings.tolerance * scale) continue;
     Move desired = speed;
     for (Velocity& part : desired) part = {0.5 * step * part.linear, 0.5 * step * part.angular};
     if (isRegular(solver, scale, motion.poses, desired)) return std::nullopt;
