@@ -80,14 +80,6 @@ RigidMotion bestPlanarMotion(const SheetFrame& frame, std::span<const Vector3> f
   return sets.withRotation(Eigen::AngleAxisd(angle, frame.normal).toRotationMatrix());
 }
 
-std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
-  std::vector<Vector3> points;
-  for (const Tile& tile : tiles) {
-    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
-  }
-  return points;
-}
-
 std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles, std::span<const int> chosen) {
   std::vector<Vector3> points;
   for (const int i : chosen) {
@@ -98,6 +90,14 @@ std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles, std::span<const 
 }
 
 }  // namespace
+
+std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
+  std::vector<Vector3> points;
+  for (const Tile& tile : tiles) {
+    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  return points;
+}
 
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
                             std::span<const double> weights) {
@@ -132,6 +132,14 @@ RigidMotion moveOnto(const std::vector<Tile>& to, std::span<const int> held, boo
 }
 
 }  // namespace
+
+std::vector<Tile> bestFitted(std::vector<Tile> tiles, const std::vector<Tile>& onto) {
+  const RigidMotion fit = bestRigidMotion(allVertices(tiles), allVertices(onto));
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
+  }
+  return tiles;
+}
 
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};

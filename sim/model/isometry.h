@@ -31,6 +31,13 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
                             std::span<const double> weights);
 
+/// The vertices of all tiles in their order, metres.
+std::vector<Vector3> allVertices(const std::vector<Tile>& tiles);
+
+/// The tiles after the rigid motion that fits their vertices best to those of `onto`, the same
+/// tiles in another state.
+std::vector<Tile> bestFitted(std::vector<Tile> tiles, const std::vector<Tile>& onto);
+
 /// Moves a model's start onto its target by the best rigid motion of all vertices together, as
 /// PyKirigami does. If some tiles are held at their position, only vertices of these `held` tiles
 /// count. If start and target lie in parallel planes, the rotation is only about their normal,

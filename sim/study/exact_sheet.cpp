@@ -26,19 +26,6 @@
 #include "sim/model/isometry.h"
 
 namespace kirireel::study {
-namespace {
-
-// All vertices in the order of the tiles, as input of the best fit.
-std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
-  std::vector<Vector3> vertices;
-  for (const model::Tile& tile : tiles) {
-    vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
-  }
-  return vertices;
-}
-
-}  // namespace
-
 // A sheet of `side` x `side` squares without contacts: only joints and springs act.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face, double startAngle) {
   generate::TessellationShape shape;
@@ -61,21 +48,6 @@ double openingAngle(const Poses& poses) {
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
-VertexError vertexError(const std::vector<model::Tile>& found,
-                        const std::vector<model::Tile>& desired) {
-  VertexError error;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    for (std::size_t k = 0; k < found[i].vertices.size(); ++k, ++count) {
-      const double distance = (found[i].vertices[k] - desired[i].vertices[k]).norm();
-      error.max = std::max(error.max, distance);
-      error.mean += distance;
-    }
-  }
-  if (count > 0) error.mean /= static_cast<double>(count);
-  return error;
-}
-
 // All three motions must have states at the same times. Each vertex is extrapolated separately: its
 // path depends smoothly on the step.
 SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const SheetPath& fine) {
@@ -96,22 +68,19 @@ SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const S
 double pathError(const SheetPath& found, const SheetPath& desired) {
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    largest = std::max(largest, vertexError(found[k], desired[k]).max);
+    largest = std::max(largest, trajectory::vertexDistance(found[k], desired[k]).largest);
   }
   return largest;
 }
 
 // The exact sheet is moved by a rigid motion, which removes the position and rotation of the
 // sheet.
-VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found) {
+trajectory::VertexDistance sheetError(int side, double angle,
+                                      const std::vector<model::Tile>& found) {
   generate::TessellationShape shape;
   shape.columns = shape.rows = side;
-  std::vector<model::Tile> exact = generate::tessellationTiles(shape, angle);
-  const model::RigidMotion fit = model::bestRigidMotion(verticesOf(exact), verticesOf(found));
-  for (model::Tile& tile : exact) {
-    for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
-  }
-  return vertexError(found, exact);
+  const std::vector<model::Tile> exact = generate::tessellationTiles(shape, angle);
+  return trajectory::vertexDistance(found, model::bestFitted(exact, found));
 }
 
 // ------------------------------------------------------------------------------------------------

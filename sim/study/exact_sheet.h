@@ -5,6 +5,7 @@
 
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/exact_motion.h"
 
 namespace kirireel::study {
 
@@ -21,16 +22,6 @@ scene::Scene sheetScene(int side, bool planar, model::JointFace face = model::Jo
 /// The angle between the first two tiles of a sheet, radians, >= 0.
 double openingAngle(const Poses& poses);
 
-/// Distances of vertices from their exact positions.
-struct VertexError {
-  double max = 0;   ///< metres
-  double mean = 0;  ///< metres
-};
-
-/// Distances of corresponding vertices.
-VertexError vertexError(const std::vector<model::Tile>& found,
-                        const std::vector<model::Tile>& desired);
-
 /// The states of a sheet over time, at equal intervals.
 using SheetPath = std::vector<std::vector<model::Tile>>;
 
@@ -43,7 +34,8 @@ SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const S
 double pathError(const SheetPath& found, const SheetPath& desired);
 
 /// The distance from the exact sheet at the same opening angle, after the best rigid motion.
-VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found);
+trajectory::VertexDistance sheetError(int side, double angle,
+                                      const std::vector<model::Tile>& found);
 
 // ------------------------------------------------------------------------------------------------
 // The exact path of a planar mechanism with one degree of freedom, by continuation of its closure

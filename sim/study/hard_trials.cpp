@@ -25,7 +25,7 @@ HardTrial sheetTrial(std::string name, std::string tried, int side, bool planar)
   HardTrial trial{std::move(name), std::move(tried), sheetScene(side, planar)};
   trial.errorMeaning = "from the exact sheet at that angle";
   trial.error = [side](const SteppedScene& run, double) {
-    return sheetError(side, openingAngle(run.motion().poses), run.tiles()).max;
+    return sheetError(side, openingAngle(run.motion().poses), run.tiles()).largest;
   };
   return trial;
 }

@@ -116,10 +116,11 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   for (const State& state : states) {
     const std::vector<model::Tile>& desired = exact.at(&state);
     const double radius = radiusOf(state.tiles);
-    rows.push_back({method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
-                    cell(std::abs(radius - radiusOf(desired))),
-                    cell(vertexError(state.tiles, fitted(desired, state.tiles)).max),
-                    cell(state.gap)});
+    rows.push_back(
+        {method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
+         cell(std::abs(radius - radiusOf(desired))),
+         cell(trajectory::vertexDistance(state.tiles, fitted(desired, state.tiles)).largest),
+         cell(state.gap)});
   }
   return rows;
 }

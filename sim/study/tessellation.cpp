@@ -28,18 +28,18 @@ std::vector<Row> openSheet(const SheetMethod& settings, double seconds) {
   std::vector<Row> rows;
   double lastDegrees = -1;  // of the previous row
   const int steps = static_cast<int>(seconds * settings.method.rate);
-  VertexError worst;  // since the previous row, to include all steps
+  trajectory::VertexDistance worst;  // since the previous row, to include all steps
   double gap = 0;
   for (int step = 1; step <= steps; ++step) {
     run.advance();
     const double angle = openingAngle(run.motion().poses);
-    const VertexError error = sheetError(kTessellationSide, angle, run.tiles());
-    worst = {std::max(worst.max, error.max), std::max(worst.mean, error.mean)};
+    const trajectory::VertexDistance error = sheetError(kTessellationSide, angle, run.tiles());
+    worst = {std::max(worst.largest, error.largest), std::max(worst.mean, error.mean)};
     gap = std::max(gap, run.gap());
     if (std::abs(angle / kDegree - lastDegrees) < 1 && step < steps) continue;
     rows.push_back({settings.method.engine.name, settings.planar ? "plane" : "space",
                     cell(step / double(settings.method.rate)), cell(angle / kDegree),
-                    cell(worst.max), cell(worst.mean), cell(gap)});
+                    cell(worst.largest), cell(worst.mean), cell(gap)});
     lastDegrees = angle / kDegree;
     worst = {};
     gap = 0;

@@ -63,7 +63,7 @@ Measured runOnce(const Job& job) {
     measured.path.push_back(run.tiles());
     const double angle = openingAngle(run.motion().poses);
     if (angle < kStartAngle) continue;
-    const double error = sheetError(kSide, angle, measured.path.back()).max;
+    const double error = sheetError(kSide, angle, measured.path.back()).largest;
     measured.shapeError = std::max(measured.shapeError, error);
   }
   // If the sheet flies apart, the errors are NaN.

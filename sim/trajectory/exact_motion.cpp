@@ -29,17 +29,9 @@ constexpr double kExact = 1e-9;
 /// An opening at which the degrees of freedom are counted, radians: closed states have more.
 constexpr double kGeneric = 0.7;
 
-std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
-  std::vector<Vector3> vertices;
-  for (const model::Tile& tile : tiles) {
-    vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
-  }
-  return vertices;
-}
-
 double sizeOf(const std::vector<model::Tile>& tiles) {
   Eigen::AlignedBox3d box;
-  for (const Vector3& vertex : verticesOf(tiles)) box.extend(vertex);
+  for (const Vector3& vertex : model::allVertices(tiles)) box.extend(vertex);
   return box.diagonal().norm();
 }
 
@@ -105,15 +97,10 @@ std::vector<model::Tile> ExactMotion::tilesAt(double opening) const {
 
 std::vector<model::Tile> ExactMotion::nearest(double opening,
                                               const std::vector<model::Tile>& state) const {
-  const std::vector<Vector3> to = verticesOf(state);
   std::vector<model::Tile> best;
   double least = 0;
   for (const double signedOpening : {opening, -opening}) {
-    std::vector<model::Tile> tiles = tilesAt(signedOpening);
-    const model::RigidMotion fit = model::bestRigidMotion(verticesOf(tiles), to);
-    for (model::Tile& tile : tiles) {
-      for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
-    }
+    std::vector<model::Tile> tiles = model::bestFitted(tilesAt(signedOpening), state);
     const double distance = vertexDistance(tiles, state).mean;
     if (!best.empty() && !(distance < least)) continue;
     least = distance;

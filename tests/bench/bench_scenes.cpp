@@ -75,7 +75,7 @@ MotionError motionError(const scene::Scene& scene, int side, double seconds) {
     const bool compact = error.lastAngle < 0.04;
     error.compactSamples += compact ? 1 : 0;
     double& largest = compact ? error.compact : error.open;
-    largest = std::max(largest, study::sheetError(side, error.lastAngle, run.tiles()).max);
+    largest = std::max(largest, study::sheetError(side, error.lastAngle, run.tiles()).largest);
   }
   return error;
 }

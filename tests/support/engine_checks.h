@@ -68,7 +68,7 @@ inline void expectOpensSheet(const study::Engine& engine, const scene::Scene& sc
   study::SteppedScene run(scene, fineMethod(engine));
   for (int step = 0; step < 120; ++step) run.advance();
   ASSERT_TRUE(run.isFinite());
-  const double apart = study::vertexError(run.tiles(), opened).max;
+  const double apart = trajectory::vertexDistance(run.tiles(), opened).largest;
   EXPECT_LT(apart, 0.02) << "angle " << study::openingAngle(run.motion().poses);
   EXPECT_LT(run.gap(), 1e-3);
 }

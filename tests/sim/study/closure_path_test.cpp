@@ -29,7 +29,7 @@ TEST(ClosurePath, FollowsTheExactMotionBothWays) {
   for (const double angle : {0.1, 0.6, 1.5}) {
     const study::PlanarState there = path.follow(open, sign * angle, 0.02);
     EXPECT_LT(path.gap(there), 1e-14);                                         // measured 3e-15
-    EXPECT_LT(study::sheetError(kSide, angle, path.tiles(there)).max, 1e-12);  // measured 2e-14
+    EXPECT_LT(study::sheetError(kSide, angle, path.tiles(there)).largest, 1e-12);  // measured 2e-14
   }
 }
 
