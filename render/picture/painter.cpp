@@ -135,8 +135,7 @@ struct TriangleMesh {
   }
 };
 
-/// Converts facets to triangles. Facets are convex, so each is a fan from its first
-/// corner.
+/// Converts facets to triangles. Facets are convex, so each is a fan from its first corner.
 class Tessellator {
  public:
   Tessellator(const PictureGeometry& geometry, const Eigen::Matrix4d& clipFromWorldAxes,

@@ -172,8 +172,7 @@ using CurvesObserver = std::function<void(std::size_t run, const trajectory::Run
 
 /// The selected curves of runs, in the form for a figure. Lengths and areas are in the unit of the
 /// first model. Runs of a sweep are named by the inputs in which they differ. Reads each trajectory
-/// once. Throws InputError if a run lacks the quantity of the
-/// axis or a selected curve.
+/// once. Throws InputError if a run lacks the quantity of the axis or a selected curve.
 std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
                                     const CurvesSettings& settings,
                                     const CurvesObserver& observer = {});
