@@ -80,7 +80,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
   addPlace(command, "MODEL", order.model, formats::kModelForms);
   addFolderOptions(command, order);
   OptionGroup(command, "Output", "recording")
-      .integer("--fps", order.settings.framesPerSecond, {1, record::kMostSampleRate}, "COUNT",
+      .integer("--fps", order.settings.framesPerSecond, {1, record::kMaxSampleRate}, "COUNT",
                "samples per simulated second, and frames per second of video, at most 240");
   addModelOptions(command, order);
   addSceneRequestOptions(command, order.request, order.scene.alignment);

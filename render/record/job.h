@@ -21,8 +21,8 @@
 
 namespace kirireel::record {
 
-inline constexpr int kMostFrameRate = 240;         ///< of a video, per second
-inline constexpr int kMostSampleRate = 1'000'000;  ///< of a run, per simulated second
+inline constexpr int kMaxFrameRate = 240;         ///< of a video, per second
+inline constexpr int kMaxSampleRate = 1'000'000;  ///< of a run, per simulated second
 
 /// Distribution of a snapshot grid's pictures over a run; always includes the first and last.
 enum class SnapshotSpacing {
@@ -55,8 +55,8 @@ struct PictureSettings {
   std::optional<picture::GraphicsLibrary> graphics;  ///< library for drawing; absent: the default
   std::filesystem::path folder;  ///< created if needed; files of a previous run in it are replaced
   picture::FrameSize size;       ///< of video frames and of each snapshot
-  /// Of the video, 1 to kMostFrameRate. Without painted frames only samples of the run have this
-  /// rate, 1 to kMostSampleRate.
+  /// Of the video, 1 to kMaxFrameRate. Without painted frames only samples of the run have this
+  /// rate, 1 to kMaxSampleRate.
   int framesPerSecond = 60;
   Pace pace = Pace::Even;  ///< relation between video time and run
   double length = 8;       ///< of a video at an even pace without title, seconds

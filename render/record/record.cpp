@@ -74,7 +74,7 @@ void requireValidSettings(const PictureSettings& settings) {
   picture::requireValidSize(settings.size);
   if (settings.snapshots) requireGrid(settings);
   if (settings.video) picture::requireValidSettings(settings.videoFile, videoSettings(settings));
-  const int most = settings.paintsFrames() ? kMostFrameRate : kMostSampleRate;
+  const int most = settings.paintsFrames() ? kMaxFrameRate : kMaxSampleRate;
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > most) {
     throw InputError(
         fmt::format("error: --fps {} is not possible; give 1 to {}{}", settings.framesPerSecond,
