@@ -269,20 +269,25 @@ constexpr double kSmoothTurn = 10 * kDegree;
 // Bricks with a larger overlap, as a fraction of a tile, are not pushed apart: another path is
 // needed.
 constexpr double kSmallOverlap = 0.1;
-// Smoothing has a budget of its own: this fraction of the search's. One path may use half of it.
+// Smoothing has a budget of its own: this fraction of the search's. Paths with open joints have
+// another one. One path may use half of a budget.
 constexpr double kSmoothingShare = 0.2;
+constexpr double kOpenSmoothingShare = 4;
 
 /// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
-/// it is smoother or no longer overlaps, without larger overlaps or openings that count. Returns
-/// the figures of the improved path, if there is one.
+/// it is smoother, opens less or no longer overlaps, without larger overlaps or openings that
+/// count. Returns the figures of the improved path, if there is one.
 std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::GeometricPath& found,
                                            run::SearchBudget& budget,
                                            const PathObserver& shouldContinue) {
   const run::PathEvaluation& before = found.evaluation;
   const double tile = model::tileSize(scene.model);
   const double allowed = run::kAllowedOverlap * tile;
-  const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
-  if (isSmooth && before.overlapGrowth <= allowed && before.opening == 0) return std::nullopt;
+  const auto isSmooth = [](const run::PathEvaluation& path) {
+    return path.stepChange <= kSmoothStepChange && path.largestTurn <= kSmoothTurn;
+  };
+  if (isSmooth(before) && before.overlapGrowth <= allowed && before.opening == 0)
+    return std::nullopt;
   run::SearchBudget part(std::min(budget.left(), 0.5 * budget.all()));
   run::GeometricPath better = found;
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
@@ -300,12 +305,16 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   after.work = part.spent();
   budget.spend(part.spent());
   const run::PathEvaluation improved = after;
-  // Smaller openings are equal, but tiles of rounded coordinates stay closed within the rounding.
-  const double closed = found.path.isRounded ? run::roundedGap(scene.model) : kOpeningStep * tile;
   const bool isFreed = before.overlapGrowth > allowed && after.overlapGrowth <= allowed;
-  if (after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
-      after.opening <= std::max(before.opening, closed) &&
-      (isFreed || after.stepChange < before.stepChange)) {
+  // Smaller openings are equal, but tiles of rounded coordinates stay closed within the rounding. A
+  // path without overlaps may open more.
+  const double closed = found.path.isRounded ? run::roundedGap(scene.model)
+                        : isFreed            ? std::numeric_limits<double>::infinity()
+                                             : kOpeningStep * tile;
+  const bool isImproved = isFreed || after.stepChange < before.stepChange ||
+                          (isSmooth(after) && after.opening < before.opening);
+  if (isImproved && after.overlapGrowth <= std::max(before.overlapGrowth, allowed) &&
+      after.opening <= std::max(before.opening, closed)) {
     found = std::move(better);
   }
   return improved;
@@ -405,8 +414,10 @@ class Planner {
     if (isImproved_ || selected.evaluation.end != run::PathEnd::Arrived) return;
     if (mustBeClosed_ && !isClosed(selected, run::kAllowedOpening)) return;
     const double before = selected.evaluation.overlapGrowth;
+    run::SearchBudget& budget =
+        isClosed(selected, run::kAllowedOpening) ? smoothing_ : openSmoothing_;
     const auto improved =
-        improve(scene_, selected, smoothing_, [&](double) { return report(kSmoothing); });
+        improve(scene_, selected, budget, [&](double) { return report(kSmoothing); });
     if (improved) planned_.candidates.push_back(*improved);
     isImproved_ = !overlaps(scene_, selected) || !(selected.evaluation.overlapGrowth < before);
   }
@@ -418,6 +429,7 @@ class Planner {
     const double work = planned_.candidates.front().work * std::max(1.0, kMinStates / states);
     budget_.limitByFirst(work, scene_.path.searchEffort);
     smoothing_ = run::SearchBudget(kSmoothingShare * budget_.left());
+    openSmoothing_ = run::SearchBudget(kOpenSmoothingShare * budget_.left());
   }
 
   bool isWorthTrying(const Candidate& candidate) {
@@ -601,7 +613,8 @@ class Planner {
   bool mustBeClosed_;
   PathOrder order_;
   run::SearchBudget& budget_;
-  run::SearchBudget smoothing_;  // of the selected paths
+  run::SearchBudget smoothing_;      // of selected paths with closed joints
+  run::SearchBudget openSmoothing_;  // of selected paths with open joints
   const run::TrialObserver& observer_;
   double tile_;  // metres
   std::vector<brick::Brick> bricks_;

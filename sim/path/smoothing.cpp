@@ -1,13 +1,19 @@
 // Improvement of a path as a whole.
 //
 // The states q_0 ... q_n of a path, with fixed ends, minimise the energy
-//   E = sum over i of |z_(i-1) - 2 z_i + z_(i+1)|^2 + p sum over i of |c(q_i)|^2
+//   E = sum over i of |z_(i-1) - 2 z_i + z_(i+1)|^2 + a sum over i of C(c(q_i))
 // with closed joints c(q_i) = 0 and gaps of near bricks phi(q_i) >= 0. z stacks the position x and
 // the rotation matrix rho R / sqrt 2 of each brick, with its radius of gyration rho: a rotation
-// counts by its arc. The second term is the price p of joints that are open on the found path. They
-// may open in its leading modes only: the first singular vectors of its openings over the states.
+// counts by its arc. The second term is the price a of joints that are open on the found path, with
+// the cost C of their openings (joint_openings.h).
 //
-// One round:
+// If joints count as open and the budget allows, all of them may open, without c = 0. The exponent
+// p of C increases step by step: the largest opening of any joint becomes nearly as small as it can
+// be. A step is one of Newton's method for all states at once (openingStep). Overlaps have a price
+// there, phi^2.
+//
+// Otherwise joints open in the leading modes of the found path only, the first singular vectors of
+// its openings over the states, and C = |c|^2. One round, as for closed joints:
 // 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed: the null
 //    space of their Jacobian J in the metric |dx|^2 + rho^2 |dphi|^2. It is computed at one state
 //    by QR and projected to its neighbours. Columns that open the joints in the modes follow.
@@ -41,6 +47,7 @@
 #include <Eigen/SparseCore>
 
 #include "sim/path/banded_program.h"
+#include "sim/path/joint_openings.h"
 #include "sim/path/near_gaps.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/mechanism_path.h"
@@ -54,12 +61,12 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Lengths are fractions of a tile. Larger sheets are not improved: the null space by QR is
 // O(bricks^3), and all pairs are listed.
 constexpr std::size_t kMaxBricks = 250;
 constexpr int kIntervals = 60;          // between the states that are improved
+constexpr int kOpenIntervals = 24;      // the same if all joints may open
 constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
 constexpr double kMinFinal = 120;       // minimum number of intervals of the result
 constexpr double kMaxFinal = 400;
@@ -75,17 +82,26 @@ constexpr double kMinRoundGain = 0.1;  // of the energy; a smaller gain ends the
 constexpr double kSmoothEnough = 0.05;
 // Parts of the result with larger changes are improved again.
 constexpr double kRough = 0.25;
-constexpr std::size_t kRoughMargin = 10;      // states on both sides of a rough part of the result
-constexpr std::size_t kHalvedMargin = 5;      // the same where bricks overlap between states
-constexpr int kHalvings = 3;                  // of the spacing there
-constexpr int kModes = 24;                    // maximum number of modes of openings
-constexpr double kWaves = 16;                 // an opening costs as much as a wave of equal size
-constexpr double kMargin = 0.1;               // of gaps in the program
-constexpr double kPushMargin = 0.03;          // the same while bricks are pushed apart
-constexpr double kPointReach = 1e-2;          // of the points of a pair
-constexpr double kOverlap = 1e-5;             // overlap that is ignored
-constexpr double kFinalOverlap = 1e-5;        // the same in the result
-constexpr double kMaxOverlap = 4 * kOverlap;  // limit for an accepted round
+constexpr std::size_t kRoughMargin = 10;  // states on both sides of a rough part of the result
+constexpr std::size_t kHalvedMargin = 5;  // the same where bricks overlap between states
+constexpr int kHalvings = 3;              // of the spacing there
+constexpr int kModes = 24;                // maximum number of modes of openings
+constexpr double kWaves = 16;             // an opening costs as much as a wave of equal size
+constexpr double kOpenWaves = 8;          // the same if all joints may open
+// If all joints may open: the exponents of their cost, one after the other, and what a sum of
+// squares adds to it. Without this, joints far below the largest opening would have no cost.
+constexpr std::array kExponents = {4.0, 8.0, 16.0, 32.0};
+constexpr double kShareOfSquares = 0.01;
+constexpr int kOpeningSteps = 4;                 // Newton steps per exponent
+constexpr double kMinOpeningGain = 1e-3;         // of the energy; a smaller gain ends them
+constexpr double kPriceOfOverlap = 1e4;          // over that of a second difference
+constexpr int kOverlapSteps = 4;                 // to find which gaps have this price
+constexpr double kMargin = 0.1;                  // of gaps in the program
+constexpr double kPushMargin = 0.03;             // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;             // of the points of a pair
+constexpr double kOverlap = 1e-5;                // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;           // the same in the result
+constexpr double kMaxOverlap = 4 * kOverlap;     // limit for an accepted round
 constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
 constexpr int kEarlyRounds = 4;
 constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
@@ -107,104 +123,17 @@ constexpr double kRegular = 1e-12;  // added to J J', which redundant joints mak
 constexpr double kClosedMove = 1e-10;  // change of a gap by a move of length 1 that keeps it closed
 // The budget must allow this many factorisations: about eight rounds.
 constexpr double kMinFactorisations = 100;
-
-/// The joints of a sheet and their derivatives with respect to u. u stacks the displacement dx and
-/// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
-class Joints {
- public:
-  Joints(const std::vector<brick::Brick>& bricks, const std::vector<brick::Pivot>& pivots,
-         bool isPlanar)
-      : isPlanar_(isPlanar), count_(static_cast<int>(bricks.size())) {
-    for (const brick::Brick& brick : bricks) radii_.push_back(run::gyrationRadius(brick));
-    for (const brick::Pivot& pivot : pivots) {
-      if (isPlanar && pivot.isUpper) continue;
-      pivots_.push_back(pivot);
-      rows_ += pivot.rowCount(isPlanar_);
-    }
-  }
-
-  int rows() const { return rows_; }
-  /// Numbers per brick.
-  int freedoms() const { return isPlanar_ ? 3 : 6; }
-  int columns() const { return count_ * freedoms(); }
-  double radius(int brick) const { return radii_[brick]; }
-
-  /// Openings of the joints, metres. For a link, the excess of its length.
-  VectorXd gaps(const Poses& poses) const {
-    VectorXd values(rows_);
-    int row = 0;
-    for (const brick::Pivot& pivot : pivots_) {
-      const int count = pivot.rowCount(isPlanar_);
-      values.segment(row, count) = brick::pivotRows(pivot, apartOf(pivot, poses)).gaps.head(count);
-      row += count;
-    }
-    return values;
-  }
-
-  SparseMatrix jacobian(const Poses& poses) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    int row = 0;
-    for (const brick::Pivot& pivot : pivots_) {
-      const brick::PivotRows rows = brick::pivotRows(pivot, apartOf(pivot, poses));
-      for (int k = 0; k < pivot.rowCount(isPlanar_); ++k, ++row) {
-        const Vector3 axis = rows.axes.row(k);
-        addRow(row, pivot.brickA, axis, pivot.pointA, poses, entries);
-        addRow(row, pivot.brickB, -axis, pivot.pointB, poses, entries);
-      }
-    }
-    SparseMatrix matrix(rows_, columns());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    return matrix;
-  }
-
-  /// The state after the move u.
-  Poses moved(Poses poses, const VectorXd& u) const {
-    for (int i = 0; i < count_; ++i) {
-      Vector6 move = Vector6::Zero();
-      for (int k = 0; k < freedoms(); ++k) move[component(k)] = u[i * freedoms() + k];
-      poses[i] = displaced(poses[i], move.head<3>(), move.tail<3>() / radii_[i]);
-    }
-    return poses;
-  }
-
-  /// Component k of u of a linear form in (dx, dphi) of one brick.
-  double partOf(const Vector6& form, int brick, int k) const {
-    const int which = component(k);
-    return which < 3 ? form[which] : form[which] / radii_[brick];
-  }
-
-  /// The index in (dx, dphi) of a brick's component k.
-  int component(int k) const { return isPlanar_ && k == 2 ? 5 : k; }
-
- private:
-  static Vector3 apartOf(const brick::Pivot& pivot, const Poses& poses) {
-    return brick::poseOf(pivot.brickA, poses).apply(pivot.pointA) -
-           brick::poseOf(pivot.brickB, poses).apply(pivot.pointB);
-  }
-
-  void addRow(int row, int brick, const Vector3& axis, const Vector3& point, const Poses& poses,
-              std::vector<Eigen::Triplet<double>>& entries) const {
-    if (!brick::isBrick(brick)) return;
-    Vector6 form;
-    form << axis, (poses[brick].rotation * point).cross(axis);
-    for (int k = 0; k < freedoms(); ++k) {
-      entries.emplace_back(row, brick * freedoms() + k, partOf(form, brick, k));
-    }
-  }
-
-  bool isPlanar_;
-  int count_;  // bricks
-  int rows_ = 0;
-  std::vector<double> radii_;  // of gyration, metres
-  std::vector<brick::Pivot> pivots_;
-};
+// If all joints may open, a program has this many freedoms per state at most, and the budget must
+// allow all steps for all exponents.
+constexpr int kMaxFreedoms = 250;
+constexpr double kMinOpeningFactorisations = kExponents.size() * kOpeningSteps;
 
 /// Moves of smallest length that change the gaps of joints by given amounts at one state. The
 /// structure of J J' is the same at all states, so it is analysed once.
 class LeastMoves {
  public:
   /// Keeps a reference to the joints.
-  explicit LeastMoves(const Joints& joints) : joints_(joints) {
+  explicit LeastMoves(const JointOpenings& joints) : joints_(joints) {
     regular_.resize(joints.rows(), joints.rows());
     regular_.setIdentity();
     regular_ *= kRegular;
@@ -226,7 +155,7 @@ class LeastMoves {
   }
 
  private:
-  const Joints& joints_;
+  const JointOpenings& joints_;
   SparseMatrix jacobian_, regular_;
   Eigen::SimplicialLDLT<SparseMatrix> factor_;
   bool isAnalysed_ = false;
@@ -237,6 +166,19 @@ MatrixXd orthonormal(const MatrixXd& columns) {
   const Eigen::HouseholderQR<MatrixXd> qr(columns);
   return qr.householderQ() * MatrixXd::Identity(columns.rows(), columns.cols());
 }
+
+/// The energy of a path to the second order in the moves of its bricks: half its gradient and
+/// half its Hessian, without overlaps.
+struct NewtonStep {
+  struct Gaps {
+    SparseMatrix forms;  // changes by the moves
+    VectorXd gaps;       // beyond the overlap that is ignored, metres
+    VectorXd prices;     // of their squares: zero for bricks that stay apart
+  };
+  BandedMatrix hessian;
+  MatrixXd gradient;
+  std::vector<Gaps> near;  // of near bricks, one per state
+};
 
 class Smoothing {
  public:
@@ -257,7 +199,21 @@ class Smoothing {
       gaps_.emplace(bricks_, pivots_, contacts, scene.environment.pivotZone, isPlanar_,
                     found.path.states.front());
     }
-    takeStates(scene);
+    takeStates(scene, kIntervals);
+    modes_.resize(joints_.rows(), 0);
+    if (std::ranges::none_of(isOpen_, [](bool isOpen) { return isOpen; })) return;
+    const double cost = kFactorisationCost * kOpenIntervals * std::pow(joints_.columns(), 3);
+    allMayOpen_ =
+        !found.path.isRounded && found.evaluation.opening > run::kAllowedOpening * tile_ &&
+        joints_.columns() <= kMaxFreedoms && kMinOpeningFactorisations * cost <= budget.left();
+    if (!allMayOpen_) {
+      takeModes();
+      return;
+    }
+    takeStates(scene, kOpenIntervals);
+    isOpen_.assign(count(), true);
+    free_ = joints_.columns();
+    bases_.assign(count(), MatrixXd::Identity(free_, free_));
   }
 
   /// The improved states. Empty if there is no improvement.
@@ -287,13 +243,13 @@ class Smoothing {
     return kFactorisationCost * static_cast<double>(states) * std::pow(freedoms(), 3);
   }
 
-  /// Samples the found path at constant speed, and computes the modes of its joint openings.
-  void takeStates(const scene::Scene& scene) {
+  /// Samples the found path at constant speed.
+  void takeStates(const scene::Scene& scene, int intervals) {
     const run::MechanismPath& path = found_.path;
     run::StatesBetween between(scene, found_);
-    states_.push_back(path.states.front());
-    for (int k = 1; k < kIntervals; ++k) {
-      const double length = k * path.length() / kIntervals;
+    states_ = {path.states.front()};
+    for (int k = 1; k < intervals; ++k) {
+      const double length = k * path.length() / intervals;
       const auto next = std::upper_bound(path.lengths.begin() + 1, path.lengths.end() - 1, length);
       const auto state = static_cast<std::size_t>(next - path.lengths.begin());
       const double part = path.lengths[state] - path.lengths[state - 1];
@@ -301,19 +257,21 @@ class Smoothing {
       states_.push_back(between.at(state, share));
     }
     states_.push_back(path.states.back());
-    MatrixXd openings(joints_.rows(), static_cast<Eigen::Index>(count()));
-    for (std::size_t k = 0; k < count(); ++k) {
-      openings.col(static_cast<Eigen::Index>(k)) = joints_.gaps(states_[k]);
-      isOpen_.push_back(found_.hasCompliantJoints &&
-                        trajectory::jointGap(pivots_, states_[k]).max > kOpenOnPath * tile_);
+    isOpen_.clear();
+    for (const Poses& poses : states_) {
+      isOpen_.push_back(found_.hasCompliantJoints && openingOf(poses) > kOpenOnPath * tile_);
     }
-    takeModes(openings);
   }
 
+  /// The largest opening of a state, metres.
+  double openingOf(const Poses& poses) const { return trajectory::jointGap(pivots_, poses).max; }
+
   /// The left singular vectors of the openings, by the eigenvectors of the smaller Gram matrix.
-  void takeModes(const MatrixXd& openings) {
-    modes_.resize(joints_.rows(), 0);
-    if (std::ranges::none_of(isOpen_, [](bool isOpen) { return isOpen; })) return;
+  void takeModes() {
+    MatrixXd openings(joints_.rows(), static_cast<Eigen::Index>(count()));
+    for (std::size_t k = 0; k < count(); ++k) {
+      openings.col(static_cast<Eigen::Index>(k)) = joints_.openings(states_[k]);
+    }
     const SymmetricEigen eigen = eigenOf(openings.transpose() * openings);
     const double largest = eigen.values[eigen.values.size() - 1];
     std::vector<VectorXd> found;
@@ -331,19 +289,19 @@ class Smoothing {
   /// the modes. Returns the remaining gap, metres.
   double close(Poses& poses, bool isOpen) {
     VectorXd goal = VectorXd::Zero(joints_.rows());
-    if (isOpen) goal = modes_ * (modes_.transpose() * joints_.gaps(poses));
+    if (isOpen) goal = modes_ * (modes_.transpose() * joints_.openings(poses));
     return closeTo(goal, poses);
   }
 
   /// The same for any openings. A step uses the derivatives of an earlier state while each step
   /// leaves at most the fraction kSlowNewton of the gap. Tiles with a misfit cannot be closed:
-  /// there steps end that hardly change the gap.
+  /// there steps end that hardly change the gap. If all joints may open, openings stay as they are.
   double closeTo(const VectorXd& goal, Poses& poses) {
-    if (joints_.rows() == 0) return 0;
+    if (joints_.rows() == 0 || allMayOpen_) return 0;
     double before = std::numeric_limits<double>::infinity();
     bool isOwn = true;  // whether the last step used the derivatives of its own state
     for (int k = 0;; ++k) {
-      const VectorXd missing = goal - joints_.gaps(poses);
+      const VectorXd missing = goal - joints_.openings(poses);
       const double gap = missing.cwiseAbs().maxCoeff();
       if (gap < kNewtonEnd * tile_ || k == kNewtonSteps) return gap;
       if (isOwn && gap > kNoNewtonGain * before) return gap;
@@ -357,6 +315,7 @@ class Smoothing {
   /// Closes the states between the ends, finds their bases, and pushes bricks apart. Returns
   /// whether the path can be improved.
   bool prepare() {
+    if (allMayOpen_) return setScale();
     for (std::size_t i = 1; i + 1 < count(); ++i) close(states_[i], isOpen_[i]);
     std::optional<MatrixXd> least;
     std::size_t from = 0;
@@ -390,7 +349,8 @@ class Smoothing {
     const double length = run::pathLengths(bricks_, states_).back();
     const double mean = length / static_cast<double>(count() - 1);
     scale_ = static_cast<double>(bricks_.size()) * mean * mean;
-    price_ = std::pow(2 * std::numbers::pi * kWaves / static_cast<double>(count() - 1), 4);
+    const double waves = allMayOpen_ ? kOpenWaves : kWaves;
+    price_ = std::pow(2 * std::numbers::pi * waves / static_cast<double>(count() - 1), 4);
     return scale_ > 0;
   }
 
@@ -398,8 +358,13 @@ class Smoothing {
   bool improve(std::size_t first, std::size_t last) {
     first_ = first;
     last_ = last;
+    return allMayOpen_ ? openLess() : smooth();
+  }
+
+  /// Rounds of programs. Returns whether one was accepted.
+  bool smooth() {
     energy_ = energyOf(states_);
-    overlap_ = overlapOf(std::span(states_).subspan(first_, last_ - first_ + 1));
+    overlap_ = overlapOf(movedStates());
     int taken = 0;
     double damping = kFirstDamping;
     for (int tries = kSmoothingTries; taken < kSmoothingRounds && !isOver();) {
@@ -410,6 +375,150 @@ class Smoothing {
       if (isSmooth() && overlap_ <= kMaxOverlap * tile_) break;
     }
     return taken > 0;
+  }
+
+  /// The states that a round moves, and their neighbours, of the improved path.
+  std::span<const Poses> movedStates() const {
+    return std::span(states_).subspan(first_, last_ - first_ + 1);
+  }
+
+  /// Newton steps for joints that may all open. Starts with the last exponent if the others have
+  /// had their steps. Returns whether a step was accepted.
+  bool openLess() {
+    bool isImproved = false;
+    for (const double exponent : kExponents) {
+      if (exponent < exponent_) continue;
+      exponent_ = exponent;
+      opening_ = 0;
+      for (const Poses& poses : states_) opening_ = std::max(opening_, openingOf(poses));
+      energy_ = energyOf(states_);
+      double damping = kFirstDamping;
+      for (int k = 0; k < kOpeningSteps && !isOver(); ++k) {
+        const double before = energy_;
+        if (!openingStep(damping)) break;
+        isImproved = true;
+        if (energy_ > (1 - kMinOpeningGain) * before) break;
+      }
+    }
+    overlap_ = overlapOf(movedStates());
+    return isImproved;
+  }
+
+  /// One Newton step with damping. Returns whether the energy decreases.
+  bool openingStep(double& damping) {
+    NewtonStep step = newtonStep();
+    for (; damping <= kMaxDamping && !isOver(); damping *= 10) {
+      const MatrixXd y = solved(step, damping);
+      if (y.size() == 0) continue;
+      const std::vector<VectorXd> moves(y.colwise().begin(), y.colwise().end());
+      const double part = std::min(1.0, kLongestRoundMove * tile_ / longest(moves));
+      std::vector<Poses> tried = states_;
+      for (std::size_t k = 0; k < moving(); ++k) {
+        Poses& poses = tried[first_ + 1 + k];
+        poses = joints_.moved(std::move(poses), part * moves[k]);
+        makeSymmetric(poses, true);
+      }
+      const double energy = energyOf(tried);
+      if (!(energy < energy_)) continue;
+      states_ = std::move(tried);
+      energy_ = energy;
+      damping = std::max(damping / 10, kMinDamping);
+      return true;
+    }
+    return false;
+  }
+
+  /// The moves y of all bricks that minimise the energy to the second order. Gaps that the moves
+  /// would make overlaps have their price, the others none: which these are is found by repetition.
+  /// Empty if there is no minimum.
+  MatrixXd solved(NewtonStep& step, double damping) {
+    MatrixXd y;
+    for (int k = 0; k < kOverlapSteps; ++k) {
+      BandedMatrix hessian = step.hessian;
+      MatrixXd gradient = step.gradient;
+      for (std::size_t i = 0; i < moving(); ++i) {
+        const auto column = static_cast<Eigen::Index>(i);
+        const auto& [forms, gaps, prices] = step.near[i];
+        const SparseMatrix priced = prices.asDiagonal() * forms;
+        hessian.diagonal[i] += MatrixXd(SparseMatrix(forms.transpose() * priced));
+        hessian.diagonal[i].diagonal().array() += damping;
+        gradient.col(column) += priced.transpose() * gaps;
+      }
+      const BandedCholesky factor(std::move(hessian));
+      budget_.spend(factorisationCost(moving()));
+      if (!factor.isDefinite()) return {};
+      y = factor.solve(-gradient);
+      if (!setPrices(step, y)) break;
+    }
+    return y;
+  }
+
+  /// Sets the prices of the gaps that are overlaps after the moves y. Returns whether one changes.
+  static bool setPrices(NewtonStep& step, const MatrixXd& y) {
+    bool isChanged = false;
+    for (std::size_t i = 0; i < step.near.size(); ++i) {
+      auto& [forms, gaps, prices] = step.near[i];
+      const VectorXd after = gaps + forms * y.col(static_cast<Eigen::Index>(i));
+      for (Eigen::Index n = 0; n < gaps.size(); ++n) {
+        const double price = after[n] < 0 ? kPriceOfOverlap : 0;
+        isChanged = isChanged || price != prices[n];
+        prices[n] = price;
+      }
+    }
+    return isChanged;
+  }
+
+  /// The energy to the second order.
+  NewtonStep newtonStep() {
+    NewtonStep step;
+    const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
+    step.gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
+    std::vector<MatrixXd> changes;
+    for (std::size_t i = first_ + 1; i < last_; ++i) {
+      changes.push_back(changesOf(bases_[i], states_[i]));
+    }
+    for (std::size_t k = 0; k < moving(); ++k) {
+      const std::size_t i = first_ + 1 + k;
+      const OpeningCost cost = costOf(states_[i]);
+      const SparseMatrix jacobian = joints_.jacobian(states_[i]);
+      step.gradient.col(static_cast<Eigen::Index>(k)) =
+          changes[k].transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]) +
+          price_ * (jacobian.transpose() * cost.gradient);
+      MatrixXd diagonal = price_ * SparseMatrix(jacobian.transpose() * cost.hessian * jacobian);
+      diagonal.diagonal().array() += secondDifferencesAt(i);
+      step.hessian.diagonal.push_back(std::move(diagonal));
+      if (k + 1 < moving())
+        step.hessian.first.push_back(-4 * changes[k + 1].transpose() * changes[k]);
+      if (k + 2 < moving()) step.hessian.second.push_back(changes[k + 2].transpose() * changes[k]);
+      std::vector<NearGap> near;
+      if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
+      VectorXd gaps(static_cast<Eigen::Index>(near.size()));
+      for (std::size_t n = 0; n < near.size(); ++n)
+        gaps[static_cast<Eigen::Index>(n)] = near[n].gap + kOverlap * tile_;
+      const VectorXd prices =
+          (gaps.array() < 0).select(kPriceOfOverlap, VectorXd::Zero(gaps.size()));
+      step.near.push_back({formsOf(near), gaps, prices});
+    }
+    return step;
+  }
+
+  /// The sum of the squared factors with which a state enters second differences: its own, and
+  /// those of both neighbours, except at the ends of the path.
+  double secondDifferencesAt(std::size_t i) const {
+    return 4 + (i > 1 ? 1 : 0) + (i + 2 < count() ? 1 : 0);
+  }
+
+  OpeningCost costOf(const Poses& poses) const {
+    return joints_.cost(joints_.openings(poses), exponent_, opening_,
+                        allMayOpen_ ? kShareOfSquares : 0);
+  }
+
+  /// The gaps of bricks that overlap by more than kOverlap, beyond it.
+  std::vector<NearGap> overlapsOf(const Poses& poses) {
+    std::vector<NearGap> near;
+    if (gaps_) near = gaps_->find(poses, 0, kPointReach * tile_);
+    std::erase_if(near, [&](NearGap& gap) { return (gap.gap += kOverlap * tile_) >= 0; });
+    return near;
   }
 
   /// An orthonormal basis of the moves that keep joints closed.
@@ -425,6 +534,7 @@ class Smoothing {
   /// The basis of a neighbour, projected onto the moves that keep this state's joints closed. If
   /// joints may open, the moves that open them in the modes follow.
   MatrixXd carriedOn(const MatrixXd& neighbour, const Poses& poses, bool isOpen) {
+    if (allMayOpen_) return neighbour;
     MatrixXd basis = MatrixXd::Zero(joints_.columns(), freedoms());
     if (joints_.rows() == 0) {
       basis.leftCols(free_) = neighbour.leftCols(free_);
@@ -446,11 +556,18 @@ class Smoothing {
   /// metres.
   void appendGaps(const std::vector<NearGap>& near, const MatrixXd& basis, double overlap,
                   BandedProgram& program) const {
-    const auto count = static_cast<Eigen::Index>(near.size());
+    VectorXd bounds(static_cast<Eigen::Index>(near.size()));
+    for (std::size_t n = 0; n < near.size(); ++n)
+      bounds[static_cast<Eigen::Index>(n)] = -near[n].gap - overlap;
+    program.constraints.emplace_back(formsOf(near) * basis);
+    program.bounds.push_back(std::move(bounds));
+  }
+
+  /// The changes of gaps by u, one row per gap.
+  Eigen::SparseMatrix<double, Eigen::RowMajor> formsOf(const std::vector<NearGap>& near) const {
     std::vector<Eigen::Triplet<double>> entries;
-    VectorXd bounds(count);
-    for (Eigen::Index row = 0; row < count; ++row) {
-      const NearGap& gap = near[static_cast<std::size_t>(row)];
+    int row = 0;
+    for (const NearGap& gap : near) {
       const auto add = [&](const Vector6& form, int brick) {
         for (int f = 0; f < joints_.freedoms(); ++f) {
           entries.emplace_back(row, brick * joints_.freedoms() + f, joints_.partOf(form, brick, f));
@@ -458,13 +575,11 @@ class Smoothing {
       };
       add(gap.ofA, gap.brickA);
       add(gap.ofB, gap.brickB);
-      bounds[row] = -gap.gap - overlap;
+      ++row;
     }
-    Eigen::SparseMatrix<double, Eigen::RowMajor> forms(count, joints_.columns());
+    Eigen::SparseMatrix<double, Eigen::RowMajor> forms(row, joints_.columns());
     forms.setFromTriplets(entries.begin(), entries.end());
-    MatrixXd rows = forms * basis;
-    program.constraints.push_back(std::move(rows));
-    program.bounds.push_back(std::move(bounds));
+    return forms;
   }
 
   /// Separates bricks of one state that overlap by more than `overlap` tiles. If the state is to be
@@ -481,9 +596,7 @@ class Smoothing {
       const VectorXd& bounds = program.bounds.front();
       const double deepest = bounds.size() > 0 ? bounds.maxCoeff() - 0.5 * overlap * tile_ : 0;
       if (deepest <= overlap * tile_) return;
-      VectorXd weights = VectorXd::Ones(basis.cols());
-      weights.tail(modes_.cols()).setConstant(kPriceOfPushing);
-      program.hessian.diagonal.push_back(weights.asDiagonal());
+      program.hessian.diagonal.push_back(pushingCost(poses, basis));
       program.gradient = MatrixXd::Zero(basis.cols(), 1);
       program.priceScale = deepest;
       const MatrixXd y = solve(program).y;
@@ -491,6 +604,18 @@ class Smoothing {
       poses = joints_.moved(std::move(poses), basis * y.col(0));
       close(poses, isOpen);
     }
+  }
+
+  /// The cost of moves while bricks are pushed apart: moves that open joints cost more.
+  MatrixXd pushingCost(const Poses& poses, const MatrixXd& basis) const {
+    VectorXd weights = VectorXd::Ones(basis.cols());
+    weights.tail(modes_.cols()).setConstant(kPriceOfPushing);
+    MatrixXd cost = weights.asDiagonal();
+    if (allMayOpen_) {
+      const SparseMatrix jacobian = joints_.jacobian(poses);
+      cost += kPriceOfPushing * MatrixXd(SparseMatrix(jacobian.transpose() * jacobian));
+    }
+    return cost;
   }
 
   /// The deepest overlap beyond the start, metres.
@@ -550,13 +675,16 @@ class Smoothing {
   }
 
   /// The part of the energy that depends on the states that a round moves.
-  double energyOf(const std::vector<Poses>& states) const {
+  double energyOf(const std::vector<Poses>& states) {
     const std::vector<VectorXd> second = secondDifferences(placesOf(states));
     double energy = 0;
     for (std::size_t i = first_; i <= last_; ++i) {
       energy += second[i].squaredNorm();
-      if (modes_.cols() > 0 && i > first_ && i < last_)
-        energy += price_ * joints_.gaps(states[i]).squaredNorm();
+      if (i == first_ || i == last_) continue;
+      if (modes_.cols() > 0 || allMayOpen_) energy += price_ * costOf(states[i]).value;
+      if (!allMayOpen_) continue;
+      for (const NearGap& deep : overlapsOf(states[i]))
+        energy += kPriceOfOverlap * deep.gap * deep.gap;
     }
     return energy / scale_;
   }
@@ -603,13 +731,12 @@ class Smoothing {
     for (std::size_t k = 0; k < moving(); ++k) {
       const std::size_t i = first_ + 1 + k;
       const MatrixXd& here = changes[k];
-      // The differences at this state and at both neighbours, except at the ends of the path.
-      const double terms = 4 + (i > 1 ? 1 : 0) + (i + 2 < count() ? 1 : 0);
       VectorXd gradient = here.transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]);
-      MatrixXd diagonal = terms * here.transpose() * here;
+      MatrixXd diagonal = secondDifferencesAt(i) * here.transpose() * here;
       if (modes_.cols() > 0) {
         const MatrixXd openings = joints_.jacobian(states_[i]) * bases_[i];
-        gradient += price_ * openings.transpose() * joints_.gaps(states_[i]);
+        const OpeningCost cost = costOf(states_[i]);
+        gradient += price_ * openings.transpose() * cost.gradient;
         diagonal += price_ * openings.transpose() * openings;
       }
       program.gradient.col(static_cast<Eigen::Index>(k)) = gradient;
@@ -817,7 +944,7 @@ class Smoothing {
     if (!gaps_) return false;
     const auto closedAt = [&](double share) {
       Poses poses = interpolate(from, to, share);
-      closeTo((1 - share) * joints_.gaps(from) + share * joints_.gaps(to), poses);
+      closeTo((1 - share) * joints_.openings(from) + share * joints_.openings(to), poses);
       return poses;
     };
     const std::array<Poses, 2> thirds = {closedAt(1.0 / 3), closedAt(2.0 / 3)};
@@ -835,7 +962,8 @@ class Smoothing {
     Poses poses = onCubic(lengths, i, length);
     if (isOpen) {
       const double share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
-      closeTo((1 - share) * joints_.gaps(states_[i - 1]) + share * joints_.gaps(states_[i]), poses);
+      closeTo((1 - share) * joints_.openings(states_[i - 1]) + share * joints_.openings(states_[i]),
+              poses);
     } else {
       close(poses, false);
     }
@@ -860,7 +988,7 @@ class Smoothing {
   double maxOpening_;  // after Newton steps, metres
   std::vector<brick::Brick> bricks_;
   std::vector<brick::Pivot> pivots_;
-  Joints joints_;
+  JointOpenings joints_;
   LeastMoves least_;
   std::optional<NearGapFinder> gaps_;  // absent if bricks may not touch
   std::vector<Poses> states_;
@@ -869,7 +997,10 @@ class Smoothing {
   MatrixXd modes_;                    // of openings, orthonormal columns
   int free_ = 0;                      // motions that keep joints closed
   std::vector<MatrixXd> bases_;       // one per state
-  double price_ = 0;                  // of a squared opening
+  bool allMayOpen_ = false;           // all joints, instead of in the modes only
+  double exponent_ = 2;               // of the cost of openings
+  double opening_ = 1;                // the scale of this cost: the largest opening, metres
+  double price_ = 0;                  // of the cost of openings
   double scale_ = 0;                  // of the energy, square metres
   double energy_ = 0;
   double overlap_ = 0;  // the deepest beyond the start, metres

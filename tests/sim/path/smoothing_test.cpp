@@ -7,12 +7,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "sim/generate/lattice.h"
 #include "sim/path/banded_program.h"
+#include "sim/path/joint_openings.h"
 #include "sim/path/near_gaps.h"
 #include "sim/trajectory/measures.h"
 
@@ -218,6 +220,109 @@ TEST(NearGaps, BetweenTwoSidesOfACornerAreAlongBoth) {
     EXPECT_NEAR(smallest.x(), -0.002, 1e-14) << isPlanar;  // 4e-16
     EXPECT_NEAR(smallest.y(), -0.003, 1e-14) << isPlanar;  // 4e-16
   }
+}
+
+/// Squares in a row whose joints are open.
+struct OpenSquares : Squares {
+  OpenSquares() : Squares(4), joints(bricks, pivots, true), poses(start) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double shift = 0.02 * std::sin(2.3 * static_cast<double>(i) + 1);
+      poses[i].position += Vector3(shift, 0.5 * shift * shift, 0);
+    }
+  }
+
+  path::JointOpenings joints;
+  Poses poses;
+};
+
+TEST(JointOpenings, CostsHaveTheirDerivatives) {
+  const OpenSquares squares;
+  const VectorXd openings = squares.joints.openings(squares.poses);
+  const double step = 1e-7;
+  for (const double exponent : {2.0, 4.0, 32.0}) {
+    const auto costAt = [&](const VectorXd& c) {
+      return squares.joints.cost(c, exponent, 0.05, 0.1);
+    };
+    const path::OpeningCost cost = costAt(openings);
+    for (Eigen::Index k = 0; k < openings.size(); ++k) {
+      VectorXd less = openings, more = openings;
+      less[k] -= step;
+      more[k] += step;
+      const path::OpeningCost before = costAt(less), after = costAt(more);
+      // Measured 5e-13 and 2e-11.
+      EXPECT_NEAR(cost.gradient[k], (after.value - before.value) / (4 * step), 1e-11);
+      const VectorXd column = (after.gradient - before.gradient) / (2 * step);
+      EXPECT_LT((MatrixXd(cost.hessian).col(k) - column).cwiseAbs().maxCoeff(), 1e-9);
+    }
+  }
+}
+
+TEST(JointOpenings, ChangeByTheirJacobian) {
+  const OpenSquares squares;
+  const MatrixXd jacobian = squares.joints.jacobian(squares.poses);
+  const double step = 1e-6;
+  for (int k = 0; k < squares.joints.columns(); ++k) {
+    const VectorXd move = step * VectorXd::Unit(squares.joints.columns(), k);
+    const VectorXd change = squares.joints.openings(squares.joints.moved(squares.poses, move)) -
+                            squares.joints.openings(squares.joints.moved(squares.poses, -move));
+    // Measured 1e-10.
+    EXPECT_LT((change / (2 * step) - jacobian.col(k)).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+/// Two tiles with a common edge of three joints that fit each other only to `misfit` metres: the
+/// second tile is longer beyond the middle one.
+scene::Scene misfitPair(double misfit) {
+  scene::Scene scene;
+  const auto tile = [](const std::vector<std::array<double, 2>>& points) {
+    model::Tile corners;
+    for (const auto& [x, y] : points) corners.vertices.emplace_back(x, y, 0);
+    return corners;
+  };
+  const double end = 2 + misfit;
+  scene.model.tiles = {tile({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {0, 1}}),
+                       tile({{0, 0}, {0, -1}, {end, -1}, {end, 0}, {1, 0}})};
+  for (const auto& [a, b] : {std::array{0, 0}, {1, 4}, {2, 3}}) {
+    model::Joint joint;
+    joint.a = {0, a};
+    joint.b = {1, b};
+    scene.model.joints.push_back(joint);
+  }
+  scene::fillFromModel(scene);
+  return scene;
+}
+
+// With the second tile moved by -t, the joints open by t, t and misfit - t. The largest opening is
+// least at t = misfit / 2. The sum of squares is least at t = misfit / 3, where one joint opens by
+// twice as much as the others.
+TEST(Smoothing, OpensJointsHardlyMoreThanNecessary) {
+  const double misfit = 0.03;
+  const scene::Scene scene = misfitPair(misfit);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  run::GeometricPath found;
+  found.hasCompliantJoints = true;
+  constexpr int kIntervals = 20;
+  for (int k = 0; k <= kIntervals; ++k) {
+    const double t = k % kIntervals == 0 ? misfit / 2 : misfit / 3;
+    Poses poses = brick::startPoses(scene.model.tiles, bricks);
+    for (Pose& pose : poses) pose.position += Vector3(0, 3.0 * k / kIntervals, 0);
+    poses[1].position -= Vector3(t, 0, 0);
+    found.path.states.push_back(poses);
+  }
+  found.path.lengths = run::pathLengths(bricks, found.path.states);
+  found.evaluation.opening = 2 * misfit / 3;
+  run::SearchBudget budget;
+  const std::optional<run::MechanismPath> improved =
+      path::smoothed(scene, found, scene::ContactFilter::None, budget);
+  ASSERT_TRUE(improved);
+  double opening = 0;
+  for (const Poses& poses : improved->states) {
+    opening = std::max(opening, trajectory::jointGap(pivots, poses).max);
+  }
+  // An exponent of 32 and no squares: 1.011. Measured 1.012.
+  EXPECT_LT(opening / (misfit / 2), 1.02);
+  EXPECT_GE(opening / (misfit / 2), 1 - 1e-12);
 }
 
 // Four squares in a row have three free angles: a path that goes through a kink is straightened.
