@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/state_tape.h"
 #include "sim/mechanics/joint_solver.h"
 
 namespace kirireel::mechanics {
@@ -18,6 +19,9 @@ using TimedLoads =
 struct PassedState {
   double seconds = 0;  ///< since the step began
   Motion motion;       ///< of all bricks
+
+  /// Records or plays back.
+  void transfer(StateTape& tape) { tape.transfer(seconds, motion); }
 };
 
 /// Whether a step of this length in seconds may join two motions. False if bricks would collide

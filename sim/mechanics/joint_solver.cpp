@@ -79,6 +79,7 @@ class Stepper : public JointSolver {
   bool collide(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
+  void forgetSteps() override;
   void setHalving(bool isOn) override { settings_.isHalving = isOn; }
   std::vector<ContactLoad> contactLoads() const override;
   std::vector<TouchForce> touchForces(const Poses& poses) const override;
@@ -210,6 +211,11 @@ template <int D>
 void Stepper<D>::setJointStiffness(double stiffness) {
   jointStiffness_ = stiffness;
   program_.exactJoints = !std::isfinite(stiffness);
+  forgetSteps();
+}
+
+template <int D>
+void Stepper<D>::forgetSteps() {
   program_.multipliers.setZero();
   standstill_.forget();
 }

@@ -139,6 +139,8 @@ class JointSolver {
   /// implicit in the step. Infinity, the initial value, makes them exact; call assemble() first to
   /// close the gaps of springs.
   virtual void setJointStiffness(double stiffness) = 0;
+  /// Forgets impulses of earlier steps, as after trial steps.
+  virtual void forgetSteps() = 0;
   /// Sets JointSolverSettings::isHalving.
   virtual void setHalving(bool isOn) = 0;
 

@@ -1,42 +1,54 @@
 // At a regular state the displacements that joints allow are those of the velocities they allow, up
-// to the square of their size: closing the joints after a step changes it by a small part. At a
-// singular state the velocities form a larger space than the paths, and closing leads back to the
-// start. So a step d = 1/2 h^2 a is predicted in that space and replaced by the nearest closed
-// state, in the metric of the masses:
-//   1. Steps of first order find a state on the path. They do not find its time, because they lose
-//      velocity at the start.
-//   2. What is missing to d is projected onto the velocities that joints allow in the state, the
-//      bricks move by it, and the joints are closed, until nothing changes. On the path, away from
-//      its singular start, joints are regular.
-// On a straight path with the tangent t this is d = 1/2 h^2 t (t.M a) / (t.M t), the motion under
-// the loads. Bends change it by the square of its size.
+// to the square of their size. At a singular state the velocities form a larger space than the
+// paths, and closing leads back to the start. A path is found in three steps:
+//
+// 1. Steps of first order find a closed state at some distance. They do not find its time, because
+//    they lose velocity at the start. They may also stay at the start. A closed sheet opens under
+//    forces away from its centre, so these follow if the loads fail. If the state is on the side
+//    against the loads, forces along the opposite displacement find the other side.
+// 2. On the path, at the size s, the least stiff constraint is proportional to s. The motion starts
+//    with the least size at which projections resolve it. Larger sheets need larger sizes.
+// 3. Collocation finds the motion until then. The accelerations a(t) are a polynomial through three
+//    nodes. None of them is the singular start. The states at the nodes are
+//      x = start + integral of (t - s) a(s) ds,   v = integral of a(s) ds,
+//    moved to the nearest closed state and projected on the velocities that joints allow there, in
+//    the metric of the masses. Bends of the path change the end by the square of its size.
 #include "sim/mechanics/singular_start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <random>
+
+#include <Eigen/LU>
 
 namespace kirireel::mechanics {
 namespace {
 
-// Size of the step, length scales. The bend of the path changes the speed at its end by about this
-// share. Smaller steps end too near to the singular state, where the joints' determinant is
-// proportional to the distance.
-constexpr double kMinSize = 1e-5;
-constexpr double kMaxSize = 1e-3;
-constexpr double kShortestFirst = 1e-3;  // over the longest step
-constexpr double kSingular = 0.1;        // share of d that closing takes away at singular states
-constexpr double kFirstOrder = 0.25;     // such a step, over the longest step
-constexpr long kMaxSteps = 100;          // of these in one search, halves included
-constexpr unsigned kMaxSearches = 16;
-constexpr long kMaxBrickSteps = 20000;  // of all searches, times the number of bricks
-constexpr double kSameSize = 1e-4;      // of changes that end the search, over the step
-constexpr double kSameSpeed = 1e-6;     // of changes that end a projection, over the speed
-constexpr int kMaxRounds = 30;
+// Sizes of displacements are in length scales.
+constexpr double kSmallest = 1e-3;   // first size of the motion's end
+constexpr double kLargest = 0.3;     // last size
+constexpr double kGrowth = 4;        // of sizes
+constexpr double kReach = 0.1;       // size of the state that steps of first order find
+constexpr double kLongest = 60;      // duration of the motion, over the longest step
+constexpr double kProbe = 1.0 / 64;  // step that measures accelerations, over the longest step
+constexpr double kSingular = 0.1;    // share of a displacement that closing takes away
+constexpr double kFirstOrder = 0.1;  // steps of first order, over the time to kReach
+constexpr long kStepsOfLoads = 100;  // of these, halves included
+constexpr long kStepsFromCentre = 500;
+constexpr double kSameSize = 1e-6;   // of changes that end a search, over the size
+constexpr double kSameSpeed = 1e-6;  // of changes that end a projection, over the speed
+constexpr double kSameEnd = 1e-6;    // of changes of the last speed that end the collocation
+constexpr int kMaxProjections = 30;
+constexpr int kMaxRounds = 8;  // of other searches
 constexpr double kClosedJoints = 1e-10;  // length scales
-constexpr double kMoment = 1e-3;         // over the step: a time in which losses are measured
+constexpr double kMoment = 1e-3;    // over the duration: a time in which accelerations are measured
+constexpr double kSameLoads = 0.1;  // of changes of loads that keep a departure
 
-/// A displacement or a velocity of all bricks.
+// Times of the nodes over the duration.
+constexpr int kNodes = 3;
+constexpr std::array<double, kNodes> kTimes = {0.5, 0.75, 1};
+
+/// A displacement, a velocity or an acceleration of all bricks.
 using Move = std::vector<Velocity>;
 
 Move sum(const Move& a, double factor, const Move& b) {
@@ -46,6 +58,10 @@ Move sum(const Move& a, double factor, const Move& b) {
     result[i].angular += factor * b[i].angular;
   }
   return result;
+}
+
+Move scaled(double factor, const Move& move) {
+  return sum(Move(move.size()), factor, move);
 }
 
 double sizeOf(const Move& move, double scale) {
@@ -73,133 +89,342 @@ Move moveBetween(const Poses& from, const Poses& to) {
   return move;
 }
 
-/// Whether joints allow a step by about this displacement, so that closing changes it little.
-bool isRegular(JointSolver& solver, double scale, const Poses& start, const Move& desired) {
-  Poses closed = moved(start, desired);
-  solver.assemble(closed);
-  const Move missing = sum(desired, -1, moveBetween(start, closed));
-  return sizeOf(missing, scale) < kSingular * sizeOf(desired, scale);
+/// The search for a departure.
+class Search {
+ public:
+  Search(const std::vector<brick::Brick>& bricks, JointSolver& solver,
+         const ExtrapolationSettings& settings, const Motion& start, const TimedLoads& loads)
+      : bricks_(bricks), solver_(solver), settings_(settings), start_(start), loads_(loads) {}
+
+  bool isAtRest() const { return size(start_.velocities) == 0; }
+  bool isSingular();
+  std::optional<Departure> find();
+
+  const StepReport& report() const { return report_; }
+
+ private:
+  double size(const Move& move) const { return sizeOf(move, settings_.lengthScale); }
+  Move moveTo(const Poses& poses) const { return moveBetween(start_.poses, poses); }
+  double longest() const { return kLongest * settings_.longestStep; }
+  double timeTo(double distance, double acceleration) const;
+  double product(const Move& a, const Move& b) const;
+  std::vector<brick::Load> forcesFor(const Move& accelerations) const;
+  Move fromCentre() const;
+
+  LoadSource loadsAfter(double seconds) const;
+  LoadSource forces(const Move& accelerations) const;
+  std::optional<Move> follow(const LoadSource& loads, long mostSteps);
+  std::optional<Move> moveOnPath();
+
+  bool projectFully(Motion& motion);
+  std::optional<Motion> nearestOnPath(const Move& desired, const Move& velocities,
+                                      const Poses& near);
+  std::optional<Move> acceleration(const Motion& motion, double seconds, double duration);
+  bool setNodes(const std::array<Move, kNodes>& accelerations, double duration);
+  void countError(const std::array<Move, kNodes>& accelerations, double duration);
+  Departure departure(double duration) const;
+  std::optional<Departure> collocate(const Move& along, double distance, double duration);
+
+  const std::vector<brick::Brick>& bricks_;
+  JointSolver& solver_;
+  const ExtrapolationSettings& settings_;
+  const Motion& start_;
+  const TimedLoads& loads_;
+  StepReport report_;
+  Move free_;  // acceleration at the start by the velocities that joints allow
+  std::array<Motion, kNodes> nodes_;
+  double dampedPower_ = 0;  // at the last node, watts
+};
+
+LoadSource Search::loadsAfter(double seconds) const {
+  return [this, seconds](const Poses& poses, std::vector<brick::Load>& out) {
+    loads_(seconds, poses, out);
+  };
 }
 
-/// Steps of first order under these loads, until a state at a distance of one step is reached.
-/// Nothing if they do not leave the start.
-std::optional<Poses> followLoads(JointSolver& solver, const ExtrapolationSettings& settings,
-                                 const Motion& start, const LoadSource& loads, StepReport& report) {
-  Motion state = start;
-  const double most = kMaxSize * settings.lengthScale;
-  const long last = report.steps + kMaxSteps;
-  double size = 0;
-  for (long k = 0; k < kMaxSteps && report.steps < last && size < most; ++k) {
-    report += solver.advance(state, kFirstOrder * settings.longestStep, loads, nullptr);
-    size = sizeOf(moveBetween(start.poses, state.poses), settings.lengthScale);
-  }
-  // Forgets these steps.
-  solver.setJointStiffness(solver.jointStiffness());
-  return size < most ? std::nullopt : std::optional(std::move(state.poses));
+/// How long an even acceleration (length scales / s^2 times a length) takes to this distance.
+double Search::timeTo(double distance, double acceleration) const {
+  return std::sqrt(2 * distance * settings_.lengthScale / acceleration);
 }
 
-/// A state on a path from the start. Steps of first order may stay at the start, because closing
-/// leads back to it: then the loads on some bricks are reversed.
-std::optional<Poses> stateOnPath(JointSolver& solver, const ExtrapolationSettings& settings,
-                                 const Motion& start, const LoadSource& loads, StepReport& report) {
-  std::optional<Poses> found;
-  const long last = report.steps + kMaxBrickSteps / static_cast<long>(start.poses.size());
-  for (unsigned search = 0; search < kMaxSearches && report.steps < last && !found; ++search) {
-    const LoadSource mixed = [&](const Poses& poses, std::vector<brick::Load>& out) {
-      loads(poses, out);
-      std::mt19937 bits(search);
-      for (brick::Load& load : out) {
-        if (search > 0 && bits() % 2 == 1) load.force = -load.force;
-      }
-    };
-    found = followLoads(solver, settings, start, mixed, report);
+/// In the metric of the masses.
+double Search::product(const Move& a, const Move& b) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Quaternion back = start_.poses[i].rotation.conjugate();
+    sum += bricks_[i].mass * a[i].linear.dot(b[i].linear) +
+           (back * a[i].angular).dot(bricks_[i].inertia * (back * b[i].angular));
   }
-  return found;
+  return sum;
+}
+
+/// Constant forces that would give free bricks these accelerations.
+LoadSource Search::forces(const Move& accelerations) const {
+  return [this, accelerations](const Poses& poses, std::vector<brick::Load>& out) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Quaternion& turn = start_.poses[i].rotation;
+      out[i] = {};
+      out[i].force.head<3>() = bricks_[i].mass * accelerations[i].linear;
+      out[i].force.tail<3>() =
+          turn * (bricks_[i].inertia * (turn.conjugate() * accelerations[i].angular));
+    }
+  };
+}
+
+/// Accelerations away from the centre of all bricks, as large as those of the loads.
+Move Search::fromCentre() const {
+  Vector3 centre = Vector3::Zero();
+  for (const Pose& pose : start_.poses) centre += pose.position;
+  centre /= static_cast<double>(start_.poses.size());
+  Move away(start_.poses.size());
+  for (std::size_t i = 0; i < away.size(); ++i) away[i].linear = start_.poses[i].position - centre;
+  return scaled(size(free_) / size(away), away);
+}
+
+/// Whether loads move the bricks, and closing takes a part of their displacement away.
+bool Search::isSingular() {
+  const double probe = kProbe * settings_.longestStep;
+  Motion after = start_;
+  LoadGain given;
+  report_ += solver_.eulerStep(after, probe, loadsAfter(0), given);
+  free_ = scaled(1 / probe, after.velocities);
+  if (!(timeTo(kSmallest, size(free_)) < longest())) return false;
+  const Move desired = scaled(kSmallest * settings_.lengthScale / size(free_), free_);
+  Poses closed = moved(start_.poses, desired);
+  solver_.assemble(closed);
+  return size(sum(desired, -1, moveTo(closed))) >= kSingular * size(desired);
+}
+
+/// Steps of first order under these loads, until a state at the distance kReach is reached. Returns
+/// its displacement, or nothing if they do not leave the start.
+std::optional<Move> Search::follow(const LoadSource& loads, long mostSteps) {
+  Motion state = start_;
+  const double step = kFirstOrder * timeTo(kReach, size(free_));
+  const long last = report_.steps + mostSteps;
+  Move move = moveTo(state.poses);
+  while (report_.steps < last && size(move) < kReach * settings_.lengthScale) {
+    report_ += solver_.advance(state, step, loads, nullptr);
+    move = moveTo(state.poses);
+  }
+  solver_.forgetSteps();
+  if (size(move) < kReach * settings_.lengthScale) return std::nullopt;
+  return move;
+}
+
+/// The displacement to a state on a path, on the side to which the loads pull.
+std::optional<Move> Search::moveOnPath() {
+  std::optional<Move> move = follow(loadsAfter(0), kStepsOfLoads);
+  if (!move) move = follow(forces(fromCentre()), kStepsFromCentre);
+  if (!move || product(*move, free_) >= 0) return move;
+  return follow(forces(scaled(-size(free_) / size(*move), *move)), kStepsFromCentre);
 }
 
 /// Projects velocities onto those that joints allow, again until nothing changes: near a singular
 /// state each projection is incomplete.
-bool projectFully(JointSolver& solver, double scale, Motion& motion) {
-  const double size = sizeOf(motion.velocities, scale);
-  for (int round = 0; round < kMaxRounds; ++round) {
+bool Search::projectFully(Motion& motion) {
+  const double speed = size(motion.velocities);
+  for (int round = 0; round < kMaxProjections; ++round) {
     const Move before = motion.velocities;
-    if (!solver.collide(motion)) return false;
-    if (sizeOf(sum(before, -1, motion.velocities), scale) <= kSameSpeed * size) return true;
+    if (!solver_.collide(motion)) return false;
+    if (size(sum(before, -1, motion.velocities)) <= kSameSpeed * speed) return true;
   }
   return false;
 }
 
 /// The closed state on a path that is nearest to a displacement, with the velocities that joints
 /// allow there, of those that belong to it. `near`: on the path. Nothing if it is not found.
-std::optional<Motion> nearestOnPath(JointSolver& solver, double scale, const Poses& start,
-                                    const Move& desired, const Move& velocities,
-                                    const Poses& near) {
-  const double size = sizeOf(desired, scale);
+std::optional<Motion> Search::nearestOnPath(const Move& desired, const Move& velocities,
+                                            const Poses& near) {
   Motion end{near, velocities};
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (!(solver.project(end) <= kClosedJoints * scale)) return std::nullopt;
-    Motion rest{end.poses, sum(desired, -1, moveBetween(start, end.poses))};
-    if (!projectFully(solver, scale, rest) || !projectFully(solver, scale, end))
-      return std::nullopt;
-    if (sizeOf(rest.velocities, scale) <= kSameSize * size) return end;
+    if (!(solver_.project(end) <= kClosedJoints * settings_.lengthScale)) return std::nullopt;
+    const Move move = moveTo(end.poses);
+    Motion rest{end.poses, sum(desired, -1, move)};
+    if (!projectFully(rest) || !projectFully(end)) return std::nullopt;
+    if (size(rest.velocities) <= kSameSize * size(move)) return end;
     end = {moved(end.poses, rest.velocities), velocities};
   }
   return std::nullopt;
 }
 
-/// Adds the cost of the trials, and the step's losses to dampers: their power grows with the square
-/// of the time.
-void countStep(JointSolver& solver, const Motion& end, double step, const LoadSource& loads,
-               const StepReport& trials, StepReport& report) {
-  report.steps += trials.steps;
-  report.factorizations += trials.factorizations;
-  report.work += trials.work;
-  Motion after = end;
+/// The acceleration by the velocities that joints allow in a state, at this time of the motion.
+std::optional<Move> Search::acceleration(const Motion& motion, double seconds, double duration) {
+  const double step = kMoment * duration;
+  Motion after = motion;
   LoadGain given;
-  report.damped += solver.eulerStep(after, kMoment * step, loads, given).damped / (3 * kMoment);
+  const StepReport taken = solver_.eulerStep(after, step, loadsAfter(seconds), given);
+  dampedPower_ = taken.damped / step;
+  report_ += taken;
+  Motion result{motion.poses, scaled(1 / step, sum(after.velocities, -1, motion.velocities))};
+  if (!projectFully(result)) return std::nullopt;
+  return result.velocities;
+}
+
+/// Weights of the accelerations at the nodes in the speed (first) and the displacement (second) at
+/// each node, for a unit duration. The polynomial passes through the nodes from `first` on.
+std::array<Eigen::Matrix<double, kNodes, kNodes>, 2> weights(int first) {
+  const int count = kNodes - first;
+  Eigen::MatrixXd values(count, count), speeds(kNodes, count), moves(kNodes, count);
+  for (int j = 0; j < kNodes; ++j) {
+    for (int m = 0; m < count; ++m) {
+      if (j >= first) values(j - first, m) = std::pow(kTimes[j], m);
+      speeds(j, m) = std::pow(kTimes[j], m + 1) / (m + 1);
+      moves(j, m) = std::pow(kTimes[j], m + 2) / ((m + 1) * (m + 2));
+    }
+  }
+  std::array<Eigen::Matrix<double, kNodes, kNodes>, 2> result;
+  for (auto& matrix : result) matrix.setZero();
+  result[0].rightCols(count) = speeds * values.inverse();
+  result[1].rightCols(count) = moves * values.inverse();
+  return result;
+}
+
+/// Moves the nodes to the states that follow from their accelerations.
+bool Search::setNodes(const std::array<Move, kNodes>& accelerations, double duration) {
+  const auto [speeds, moves] = weights(0);
+  for (int j = 0; j < kNodes; ++j) {
+    Move move(start_.poses.size()), velocities = move;
+    for (int k = 0; k < kNodes; ++k) {
+      move = sum(move, duration * duration * moves(j, k), accelerations[k]);
+      velocities = sum(velocities, duration * speeds(j, k), accelerations[k]);
+    }
+    const auto node = nearestOnPath(move, velocities, nodes_[j].poses);
+    if (!node) return false;
+    nodes_[j] = *node;
+  }
+  return true;
+}
+
+/// The error at the end, estimated by a polynomial of one order less, counts as rounding beyond the
+/// tolerance: without rounding the motion could be shorter.
+void Search::countError(const std::array<Move, kNodes>& accelerations, double duration) {
+  const auto difference = weights(0)[1] - weights(1)[1];
+  Move error(start_.poses.size());
+  for (int k = 0; k < kNodes; ++k) {
+    error = sum(error, duration * duration * difference(kNodes - 1, k), accelerations[k]);
+  }
+  report_.rounding += std::max(0.0, size(error) - settings_.tolerance * settings_.lengthScale);
+}
+
+/// The power of dampers grows with the square of the time.
+Departure Search::departure(double duration) const {
+  Departure result{.start = start_, .damped = dampedPower_ * duration / 3, .now = start_};
+  for (int j = 0; j < kNodes; ++j) result.states.push_back({kTimes[j] * duration, nodes_[j]});
+  result.loads.resize(bricks_.size());
+  loads_(0, start_.poses, result.loads);
+  return result;
+}
+
+/// The motion of this duration to about this distance. `along`: the displacement to a state on the
+/// path.
+std::optional<Departure> Search::collocate(const Move& along, double distance, double duration) {
+  Poses near = moved(start_.poses, along);
+  for (int j = kNodes - 1; j >= 0; --j) {
+    const double share = distance * settings_.lengthScale / size(along) * kTimes[j] * kTimes[j];
+    const Move move = scaled(share, along);
+    const auto node = nearestOnPath(move, scaled(2 / (kTimes[j] * duration), move), near);
+    if (!node) return std::nullopt;
+    nodes_[j] = *node;
+    near = node->poses;
+  }
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::array<Move, kNodes> accelerations;
+    for (int j = 0; j < kNodes; ++j) {
+      const auto found = acceleration(nodes_[j], kTimes[j] * duration, duration);
+      if (!found) return std::nullopt;
+      accelerations[j] = *found;
+    }
+    const Move before = nodes_.back().velocities;
+    if (!setNodes(accelerations, duration)) return std::nullopt;
+    const Move& speed = nodes_.back().velocities;
+    if (size(sum(speed, -1, before)) > kSameEnd * size(speed)) continue;
+    countError(accelerations, duration);
+    return departure(duration);
+  }
+  return std::nullopt;
+}
+
+/// The shortest motion that rounding allows.
+std::optional<Departure> Search::find() {
+  const std::optional<Move> along = moveOnPath();
+  if (!along) return std::nullopt;
+  // An acceleration `pull` times `along`.
+  const double pull = product(*along, free_) / product(*along, *along);
+  for (double distance = kSmallest; distance < kLargest; distance *= kGrowth) {
+    const double duration = timeTo(distance, pull * size(*along));
+    if (!(duration < longest())) break;
+    if (auto result = collocate(*along, distance, duration)) return result;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<double> leaveSingularState(JointSolver& solver, const ExtrapolationSettings& settings,
-                                         Motion& motion, double seconds, const TimedLoads& loads,
-                                         const StepFilter& mayTake, StepReport& report) {
-  const double scale = settings.lengthScale;
-  if (sizeOf(motion.velocities, scale) > 0) return std::nullopt;
-  const LoadSource now = [&](const Poses& poses, std::vector<brick::Load>& out) {
-    loads(0, poses, out);
-  };
-  StepReport trials;
-  const auto speedAfter = [&](double step) {
-    Motion end = motion;
-    LoadGain given;
-    trials += solver.eulerStep(end, step, now, given);
-    return end.velocities;
-  };
-  for (double step = std::min(seconds, settings.longestStep);
-       step >= kShortestFirst * settings.longestStep; step *= 0.5) {
-    const Move whole = speedAfter(step), half = speedAfter(0.5 * step);
-    // Twice the speed after half the step: the drag at its middle.
-    const Move speed = sum(half, 1, half);
-    const double size = 0.5 * step * sizeOf(speed, scale);
-    const double error = 0.5 * step * sizeOf(sum(whole, -1, speed), scale);
-    if (size < kMinSize * scale) return std::nullopt;
-    if (size > kMaxSize * scale || error > settings.tolerance * scale) continue;
-    Move desired = speed;
-    for (Velocity& part : desired) part = {0.5 * step * part.linear, 0.5 * step * part.angular};
-    if (isRegular(solver, scale, motion.poses, desired)) return std::nullopt;
-    const auto near = stateOnPath(solver, settings, motion, now, trials);
-    std::optional<Motion> end;
-    if (near) end = nearestOnPath(solver, scale, motion.poses, desired, speed, *near);
-    if (!end || (mayTake && !mayTake(motion, *end, step))) {
-      report.singularTime += seconds;
-      return std::nullopt;
+std::optional<Departure> leaveSingularState(const std::vector<brick::Brick>& bricks,
+                                            JointSolver& solver,
+                                            const ExtrapolationSettings& settings,
+                                            const Motion& motion, double seconds,
+                                            const TimedLoads& loads, const StepFilter& mayTake,
+                                            StepReport& report) {
+  Search search(bricks, solver, settings, motion, loads);
+  if (!search.isAtRest() || !search.isSingular()) return std::nullopt;
+  std::optional<Departure> found = search.find();
+  report.steps += search.report().steps;
+  report.factorizations += search.report().factorizations;
+  report.work += search.report().work;
+  const auto mayPass = [&] {
+    const Motion* from = &motion;
+    double begin = 0;
+    for (const PassedState& state : found->states) {
+      if (!mayTake(*from, state.motion, state.seconds - begin)) return false;
+      from = &state.motion;
+      begin = state.seconds;
     }
-    motion = *end;
-    countStep(solver, motion, step, now, trials, report);
-    return step;
+    return true;
+  };
+  if (!found || (mayTake && !mayPass())) {
+    report.singularTime += seconds;
+    return std::nullopt;
   }
-  return std::nullopt;
+  report.rounding += search.report().rounding;
+  return found;
+}
+
+bool Departure::isCurrent(const Motion& motion, const TimedLoads& loadsNow) const {
+  for (std::size_t i = 0; i < now.poses.size(); ++i) {
+    if (motion.poses[i].position != now.poses[i].position ||
+        motion.velocities[i].linear != now.velocities[i].linear)
+      return false;
+  }
+  std::vector<brick::Load> present(loads.size());
+  loadsNow(0, start.poses, present);
+  double largest = 0, change = 0;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    largest = std::max(largest, loads[i].force.norm());
+    change = std::max(change, (present[i].force - loads[i].force).norm());
+  }
+  return change <= kSameLoads * largest;
+}
+
+double Departure::advance(JointSolver& solver, Motion& motion, double seconds,
+                          std::vector<PassedState>& passed, StepReport& report) {
+  const double begin = done, duration = states.back().seconds;
+  done = std::min(begin + seconds, duration);
+  for (const PassedState& state : states) {
+    if (state.seconds > begin && state.seconds < done)
+      passed.push_back({state.seconds - begin, state.motion});
+  }
+  now = states.back().motion;
+  if (!isOver()) {
+    const std::span<const PassedState> before(states.data(), states.size() - 1);
+    now = {posesBetween(start, before, states.back().motion, duration, done),
+           velocitiesBetween(start, before, states.back().motion, duration, done)};
+    solver.assemble(now.poses);
+  }
+  motion = now;
+  ++report.steps;
+  report.damped += damped * (std::pow(done / duration, 3) - std::pow(begin / duration, 3));
+  return done - begin;
 }
 
 }  // namespace kirireel::mechanics

@@ -19,7 +19,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/mechanics/singular_start.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::run {
@@ -171,6 +170,21 @@ double ToleranceSteps::collide(double now, const std::vector<brick::Contact>& cl
   return energy - trajectory::kineticEnergy(bricks_, motion);
 }
 
+/// Continues a departure from a singular state, or begins one. Returns the seconds done.
+double ToleranceSteps::depart(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
+                              const mechanics::StepFilter& isFree, StepReport& report) {
+  const bool isHeld = !solver_.heldContacts().empty();
+  if (departure_ && (isHeld || !departure_->isCurrent(motion, loads))) departure_.reset();
+  if (!departure_ && !isHeld) {
+    departure_ = mechanics::leaveSingularState(bricks_, solver_, settings_, motion, seconds, loads,
+                                               isFree, report);
+  }
+  if (!departure_) return 0;
+  const double done = departure_->advance(solver_, motion, seconds, passed_, report);
+  if (departure_->isOver()) departure_.reset();
+  return done;
+}
+
 /// Takes steps that keep the tolerance, from impact to impact, until the end of the call or until
 /// no step keeps it. Returns the seconds done.
 double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
@@ -188,11 +202,8 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
   double goal = seconds;                // or the moment of the next impact
   std::vector<brick::Contact> closing;  // then
   int impacts = 0;
-  if (solver_.heldContacts().empty()) {
-    done = mechanics::leaveSingularState(solver_, settings_, motion, seconds, loads, isFree, report)
-               .value_or(0);
-    if (done > 0 && done < seconds - shortest) passed_.push_back({done, motion});
-  }
+  done = depart(motion, seconds, loads, isFree, report);
+  if (done > 0 && done < seconds - shortest) passed_.push_back({done, motion});
   while (done < seconds - shortest) {
     meeting_.reset();
     const auto taken = extrapolation_.step(motion, goal - done, fromHere, isFree, report);

@@ -11,6 +11,7 @@
 #include "sim/contacts/contact_finder.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
+#include "sim/mechanics/singular_start.h"
 
 namespace kirireel::run {
 
@@ -49,7 +50,7 @@ class ToleranceSteps {
   const std::vector<mechanics::PassedState>& passed() const { return passed_; }
 
   /// State that the next call needs from earlier calls.
-  void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_); }
+  void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_, departure_); }
 
  private:
   bool touchInStep(const Motion& from, const Motion& to, double seconds);
@@ -59,6 +60,8 @@ class ToleranceSteps {
   void setHeld(std::vector<brick::Contact> contacts);
   void holdTouching(const Poses& poses);
   double collide(double now, const std::vector<brick::Contact>& closing, Motion& motion);
+  double depart(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
+                const mechanics::StepFilter& isFree, StepReport& report);
   double advanceByOrders(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                          StepReport& report);
   StepReport advanceByFirstOrder(Motion& motion, double begin, double end,
@@ -80,8 +83,9 @@ class ToleranceSteps {
   double firstOrderStep_;  // seconds
   mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;
-  std::optional<Meeting> meeting_;  // of the last tried step
-  int callsToWait_ = 0;             // of first order, after too many impacts
+  std::optional<Meeting> meeting_;                 // of the last tried step
+  int callsToWait_ = 0;                            // of first order, after too many impacts
+  std::optional<mechanics::Departure> departure_;  // while it lasts
   std::vector<mechanics::PassedState> passed_;
 };
 

@@ -171,7 +171,7 @@ double angleAcceleration(const generate::TessellationShape& shape, const Vector3
 
 TEST(TimeTolerance, AClosedSheetFollowsItsEquationOfMotion) {
   const Vector3 gravity(-1, 2, 0);
-  for (const int side : {2, 4}) {
+  for (const int side : {2, 4, 6, 10}) {
     generate::TessellationShape shape;
     shape.columns = shape.rows = side;
     double angle = 0, rate = 0;
@@ -189,6 +189,7 @@ TEST(TimeTolerance, AClosedSheetFollowsItsEquationOfMotion) {
     const std::vector<Vector3> exact = centres(shape, angle);
     for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
       for (const bool planar : {true, false}) {
+        if (!planar && side > 6) continue;
         scene::Scene scene = openingSheet(tolerance);
         scene.model = generate::makeTessellation(shape);
         scene.actuation.drive = scene::Drive::None;
@@ -205,6 +206,7 @@ TEST(TimeTolerance, AClosedSheetFollowsItsEquationOfMotion) {
           const Vector3 place = end[i].position - end[0].position;
           miss = std::max(miss, (place - exact[i]).norm());
         }
+        // Measured 1.3e-8 to 2.2e-5; without the start along the path 0.01 to 0.2.
         EXPECT_LT(miss, 4e-5) << side << ' ' << tolerance << ' ' << planar;
       }
     }
