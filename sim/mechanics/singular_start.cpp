@@ -142,7 +142,7 @@ LoadSource Search::loadsAfter(double seconds) const {
   };
 }
 
-/// How long an even acceleration (length scales / s^2 times a length) takes to this distance.
+/// How long an even acceleration (m/s^2) takes to this distance (length scales), seconds.
 double Search::timeTo(double distance, double acceleration) const {
   return std::sqrt(2 * distance * settings_.lengthScale / acceleration);
 }
