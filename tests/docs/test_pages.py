@@ -48,7 +48,7 @@ def commands(kind, block, place):
         return [f"(cd /root && {line})" for line in lines] if place == "packages" else []
     if kind == "sh packages":
         return lines if place == "packages" else []
-    if kind in ("sh sources", "sh cluster", "sh example", "toml part"):
+    if kind in ("sh sources", "sh cluster", "sh example", "sh record", "toml part"):
         return []
     if kind == "python":
         return [f"python3 -W ignore - <<{here}\n{block}END OF BLOCK"]
@@ -161,7 +161,7 @@ class Pages(unittest.TestCase):
         help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "generate", "--help"], text=True, capture_output=True)
         listed = re.sub(r"\n {26}", " ", help_text.stdout.split("Subcommands:")[1])
         families = re.findall(r"^  ([a-z-]+) ", listed, re.M)
-        shown = [block.split()[2] for _, block in fenced_blocks(text)]
+        shown = [block.split()[2] for kind, block in fenced_blocks(text) if kind == "sh"]
         drawn = [name for name in shown if name.startswith("docs/drawings/")]
         self.assertEqual(shown, families + drawn)
         drawings = (SOURCES / "docs/drawings").iterdir()
@@ -170,7 +170,14 @@ class Pages(unittest.TestCase):
             self.assertTrue((SOURCES / "docs" / picture).exists(), picture)
 
     def test_gallery(self):
-        self.run_page("docs/gallery.md")
+        [record] = [block for kind, block in blocks_of("docs/gallery.md") if kind == "sh record"]
+        with tempfile.TemporaryDirectory() as folder:
+            page = Page(folder)
+            for kind, block in blocks_of("docs/gallery.md"):
+                with self.subTest(block=block):
+                    page.run_block(kind, block)
+                    if block.startswith("kirireel generate "):
+                        page.run_block("sh", record.replace("MODEL", block.split()[2]))
 
     def test_links_lead_to_files(self):
         for page in [*SOURCES.glob("*.md"), *SOURCES.glob("docs/*.md"), SOURCES / "data/README.md"]:
