@@ -11,14 +11,8 @@
 // No time is written, so the same picture gives the same bytes.
 #include "render/picture/png.h"
 
-#include <cerrno>
 #include <cmath>
 #include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <memory>
-#include <string>
 
 #include <fmt/format.h>
 #include <png.h>
@@ -32,13 +26,6 @@ namespace {
 
 constexpr double kMetresPerInch = 0.0254;
 
-OutputError writeError(const std::filesystem::path& path, const std::string& reason) {
-  return OutputError(
-      fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
-                  "with --out",
-                  path.string(), reason));
-}
-
 /// libpng reports errors by a long jump, which must not skip a destructor. So the message is stored
 /// here, and encode() has only plain values.
 struct Failure {
@@ -47,10 +34,13 @@ struct Failure {
 
 /// Must not return: libpng would continue as if nothing had happened.
 void keepMessageAndJump(png_structp png, png_const_charp message) {
-  // A failed write reports only "Write Error"; errno has the reason.
-  const bool system = errno != 0;
-  static_cast<Failure*>(png_get_error_ptr(png))->message = system ? std::strerror(errno) : message;
+  static_cast<Failure*>(png_get_error_ptr(png))->message = message;
   png_longjmp(png, 1);
+}
+
+void appendBytes(png_structp png, png_bytep bytes, png_size_t count) {
+  auto* const file = static_cast<std::string*>(png_get_io_ptr(png));
+  file->append(reinterpret_cast<const char*>(bytes), count);
 }
 
 void ignoreWarning(png_structp /*png*/, png_const_charp /*message*/) {}
@@ -106,11 +96,11 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
 }
 
 /// False if libpng failed; the message is then in the encoder's failure.
-bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame, bool opaque,
+bool encode(png_structp png, png_infop info, std::string& file, const Frame& frame, bool opaque,
             const PngSettings& settings) {
   // libpng returns here if anything below fails.
   if (setjmp(png_jmpbuf(png)) != 0) return false;
-  png_init_io(png, file);
+  png_set_write_fn(png, &file, appendBytes, nullptr);
   writeHeader(png, info, frame, opaque, settings);
   for (int y = 0; y < frame.size.height; ++y) {
     // It may throw; the libpng structures belong to the Encoder and are still freed.
@@ -121,53 +111,22 @@ bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame
   return true;
 }
 
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-/// `path` is for messages.
-void encodeInto(std::FILE* file, const Frame& frame, const PngSettings& settings,
-                const std::filesystem::path& path) {
-  Failure failure;
-  const Encoder encoder(failure);
-  if (!encoder.ready()) throw writeError(path, "out of memory");
-  errno = 0;
-  if (!encode(encoder.png(), encoder.info(), file, frame, isOpaque(frame), settings)) {
-    throw writeError(path, failure.message);
-  }
-}
-
 }  // namespace
 
 void writePng(const Frame& frame, const std::filesystem::path& path, const PngSettings& settings) {
-  PendingFile pending(path);
-  std::unique_ptr<std::FILE, FileCloser> file(std::fopen(pending.path().c_str(), "wb"));
-  if (file == nullptr) throw writeError(path, std::strerror(errno));
-
-  encodeInto(file.get(), frame, settings, path);
-  // The last bytes reach the disk here, so this can fail even if all writes succeeded.
-  if (std::fclose(file.release()) != 0) throw writeError(path, std::strerror(errno));
-  pending.commit();
+  writeTextFile(path, pngBytes(frame, settings));
 }
 
 std::string pngBytes(const Frame& frame, const PngSettings& settings) {
-  char* bytes = nullptr;
-  std::size_t size = 0;
-  // A stream in memory (POSIX.1-2008), so both functions share one encoder.
-  std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
-  if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
-  // After closing the stream, the buffer is final and the caller owns it.
-  try {
-    encodeInto(file.get(), frame, settings, "a picture in memory");
-  } catch (...) {
-    file.reset();
-    std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
-    throw;
+  std::string file;
+  Failure failure;
+  const Encoder encoder(failure);
+  if (!encoder.ready() ||
+      !encode(encoder.png(), encoder.info(), file, frame, isOpaque(frame), settings)) {
+    throw OutputError(fmt::format("error: a picture cannot be encoded ({}); free some memory",
+                                  encoder.ready() ? failure.message : "out of memory"));
   }
-  file.reset();
-  const std::string text(bytes, size);
-  std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
-  return text;
+  return file;
 }
 
 Frame readPng(const std::filesystem::path& path) {

@@ -110,7 +110,7 @@ TEST(Png, LeavesNothingOnAFullDisk) {
     } catch (const OutputError& error) {
       EXPECT_EQ(std::string(error.what()), (folder / "a.png").string() +
                                                ": error: cannot be written (File too large); free "
-                                               "some space or choose another folder with --out");
+                                               "some space or choose another folder");
     }
     EXPECT_TRUE(folder.isEmpty());
   }
