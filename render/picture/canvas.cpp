@@ -9,16 +9,11 @@
 // line has its characters in reading order.
 #include "render/picture/canvas.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <iterator>
-#include <limits>
 #include <map>
-#include <memory>
-#include <string>
 #include <utility>
 
 #include <cairo-ft.h>
@@ -26,7 +21,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/picture/picture_geometry.h"
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
@@ -114,23 +108,100 @@ std::string fallbackStyle(const ShapedLine& line, const std::string& family) {
 
 class SvgCanvas : public Canvas {
  public:
-  explicit SvgCanvas(const PageSettings& settings);
+  explicit SvgCanvas(const PageSettings& settings)
+      : fontFamily_(settings.fontFamily), parts_{{"", settings.outlines.silhouetteWidth}} {
+    append(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"{}\" height=\"{}\" "
+        "viewBox=\"0 0 {} {}\">\n",
+        lengthOf(settings.size.width, settings), lengthOf(settings.size.height, settings),
+        settings.size.width, settings.size.height);
+    if (!settings.description.empty()) append("<desc>{}</desc>\n", escaped(settings.description));
+    append("<style>\n");
+    appendRules(settings.outlines, "");
+    append(
+        "text {{ font-family: \"{}\", \"Arial\", \"Helvetica\", sans-serif }}\n"
+        "</style>\n",
+        settings.fontFamily);
+    if (settings.background.alpha == 0) return;
+    begin("page");
+    box(0, 0, settings.size.width, settings.size.height, settings.background);
+    end();
+  }
 
-  void begin(const std::string& name, double opacity = 1) override;
+  void begin(const std::string& name, double opacity = 1) override {
+    append("<g id=\"{0}\" inkscape:label=\"{0}\"{1}{2}>\n", name,
+           parts_.size() == 1 ? " inkscape:groupmode=\"layer\"" : "", opacityText(opacity));
+    open(name);
+  }
+
   void beginWithin(const std::string& name, double left, double upper, double width,
-                   double height) override;
-  void end() override;
-  void setOutlines(const OutlineStyle& style) override;
-  void polygon(const Points& corners, Colour colour) override;
-  void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override;
-  void lines(const std::vector<Points>& lines, double width, Colour colour) override;
-  void box(double left, double upper, double width, double height, Colour colour) override;
+                   double height) override {
+    append(
+        "<clipPath id=\"clip_{0}\"><rect x=\"{1:.2f}\" y=\"{2:.2f}\" width=\"{3:.2f}\" "
+        "height=\"{4:.2f}\"/></clipPath>\n<g id=\"{5}\" inkscape:label=\"{5}\" "
+        "clip-path=\"url(#clip_{0})\">\n",
+        ++clips_, left, upper, width, height, name);
+    open(name);
+  }
+
+  void end() override {
+    append("</g>\n");
+    parts_.pop_back();
+  }
+
+  void setOutlines(const OutlineStyle& style) override {
+    append("<style>\n");
+    appendRules(style, '#' + parts_.back().name + ' ');
+    append("</style>\n");
+    parts_.back().silhouetteWidth = style.silhouetteWidth;
+  }
+
+  void polygon(const Points& corners, Colour colour) override {
+    append("<path class=\"face\" fill=\"{0}\" stroke=\"{0}\"{1} d=\"{2}Z\"/>\n", hex(colour),
+           opacityText(colour), pathOf(corners));
+  }
+
+  void seams(const std::vector<Points>& lines, Colour colour) override {
+    const std::string path = pathOf(lines);
+    if (path.empty()) return;
+    append("<path class=\"seam\" stroke=\"{}\" d=\"{}\"/>\n", hex(colour), path);
+  }
+
+  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override {
+    const std::string path = pathOf(lines);
+    if (path.empty()) return;
+    append("<path class=\"outline{}\"{} d=\"{}\"/>\n",
+           kind == Line::Silhouette ? " silhouette" : "", opacityText(opacity), path);
+  }
+
+  void lines(const std::vector<Points>& lines, double width, Colour colour) override {
+    const std::string path = pathOf(lines);
+    if (path.empty()) return;
+    append(
+        "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3g}\" stroke-linejoin=\"round\" "
+        "d=\"{}\"/>\n",
+        hex(colour), width, path);
+  }
+
+  void box(double left, double upper, double width, double height, Colour colour) override {
+    append("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"{}/>\n",
+           left, upper, width, height, hex(colour), opacityText(colour));
+  }
+
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
-            Weight weight) override;
+            Weight weight) override {
+    if (line.empty()) return;
+    const ShapedLine shaped = shapeForPage(line, weight);
+    // From right to left, a line ends at its left end.
+    append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{}{}{} fill=\"{}\">{}</text>\n", left,
+           baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "",
+           shaped.isRightToLeft ? " direction=\"rtl\" text-anchor=\"end\"" : "",
+           fallbackStyle(shaped, fontFamily_), hex(colour), escaped(line));
+  }
 
   double silhouetteWidth() const override { return parts_.back().silhouetteWidth; }
-  std::string finish() override;
+  std::string finish() override { return file_ + "</svg>\n"; }
 
  private:
   template <typename... Arguments>
@@ -139,8 +210,18 @@ class SvgCanvas : public Canvas {
   }
 
   /// Rules of a style sheet for the elements in `scope`, a selector with a space after it.
-  void appendRules(const OutlineStyle& style, const std::string& scope);
-  void open(const std::string& name);
+  void appendRules(const OutlineStyle& style, const std::string& scope) {
+    append(
+        "{0}.face {{ stroke-width: {1:.3g}; stroke-linejoin: round }}\n"
+        "{0}.seam {{ fill: none; stroke-width: {2:.3g} }}\n"
+        "{0}.outline {{ fill: none; stroke: {3}; stroke-width: {4:.4g}; stroke-linejoin: round; "
+        "stroke-linecap: round }}\n"
+        "{0}.silhouette {{ stroke-width: {5:.4g} }}\n",
+        scope, seamWidth(style), cutSeamWidth(style), hex(style.colour), style.slitWidth,
+        style.silhouetteWidth);
+  }
+
+  void open(const std::string& name) { parts_.push_back({name, silhouetteWidth()}); }
 
   /// An open group; the first one is the page.
   struct SvgGroup {
@@ -154,117 +235,6 @@ class SvgCanvas : public Canvas {
   int clips_ = 0;
 };
 
-SvgCanvas::SvgCanvas(const PageSettings& settings)
-    : fontFamily_(settings.fontFamily), parts_{{"", settings.outlines.silhouetteWidth}} {
-  append(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"{}\" height=\"{}\" "
-      "viewBox=\"0 0 {} {}\">\n",
-      lengthOf(settings.size.width, settings), lengthOf(settings.size.height, settings),
-      settings.size.width, settings.size.height);
-  if (!settings.description.empty()) append("<desc>{}</desc>\n", escaped(settings.description));
-  append("<style>\n");
-  appendRules(settings.outlines, "");
-  append(
-      "text {{ font-family: \"{}\", \"Arial\", \"Helvetica\", sans-serif }}\n"
-      "</style>\n",
-      settings.fontFamily);
-  if (settings.background.alpha == 0) return;
-  begin("page");
-  box(0, 0, settings.size.width, settings.size.height, settings.background);
-  end();
-}
-
-void SvgCanvas::appendRules(const OutlineStyle& style, const std::string& scope) {
-  append(
-      "{0}.face {{ stroke-width: {1:.3g}; stroke-linejoin: round }}\n"
-      "{0}.seam {{ fill: none; stroke-width: {2:.3g} }}\n"
-      "{0}.outline {{ fill: none; stroke: {3}; stroke-width: {4:.4g}; stroke-linejoin: round; "
-      "stroke-linecap: round }}\n"
-      "{0}.silhouette {{ stroke-width: {5:.4g} }}\n",
-      scope, seamWidth(style), cutSeamWidth(style), hex(style.colour), style.slitWidth,
-      style.silhouetteWidth);
-}
-
-void SvgCanvas::setOutlines(const OutlineStyle& style) {
-  append("<style>\n");
-  appendRules(style, '#' + parts_.back().name + ' ');
-  append("</style>\n");
-  parts_.back().silhouetteWidth = style.silhouetteWidth;
-}
-
-void SvgCanvas::open(const std::string& name) {
-  parts_.push_back({name, silhouetteWidth()});
-}
-
-void SvgCanvas::begin(const std::string& name, double opacity) {
-  append("<g id=\"{0}\" inkscape:label=\"{0}\"{1}{2}>\n", name,
-         parts_.size() == 1 ? " inkscape:groupmode=\"layer\"" : "", opacityText(opacity));
-  open(name);
-}
-
-void SvgCanvas::beginWithin(const std::string& name, double left, double upper, double width,
-                            double height) {
-  append(
-      "<clipPath id=\"clip_{0}\"><rect x=\"{1:.2f}\" y=\"{2:.2f}\" width=\"{3:.2f}\" "
-      "height=\"{4:.2f}\"/></clipPath>\n<g id=\"{5}\" inkscape:label=\"{5}\" "
-      "clip-path=\"url(#clip_{0})\">\n",
-      ++clips_, left, upper, width, height, name);
-  open(name);
-}
-
-void SvgCanvas::end() {
-  append("</g>\n");
-  parts_.pop_back();
-}
-
-void SvgCanvas::polygon(const Points& corners, Colour colour) {
-  append("<path class=\"face\" fill=\"{0}\" stroke=\"{0}\"{1} d=\"{2}Z\"/>\n", hex(colour),
-         opacityText(colour), pathOf(corners));
-}
-
-void SvgCanvas::seams(const std::vector<Points>& lines, Colour colour) {
-  const std::string path = pathOf(lines);
-  if (path.empty()) return;
-  append("<path class=\"seam\" stroke=\"{}\" d=\"{}\"/>\n", hex(colour), path);
-}
-
-void SvgCanvas::outlines(const std::vector<Points>& lines, Line kind, double opacity) {
-  const std::string path = pathOf(lines);
-  if (path.empty()) return;
-  append("<path class=\"outline{}\"{} d=\"{}\"/>\n", kind == Line::Silhouette ? " silhouette" : "",
-         opacityText(opacity), path);
-}
-
-void SvgCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {
-  const std::string path = pathOf(lines);
-  if (path.empty()) return;
-  append(
-      "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3g}\" stroke-linejoin=\"round\" "
-      "d=\"{}\"/>\n",
-      hex(colour), width, path);
-}
-
-void SvgCanvas::box(double left, double upper, double width, double height, Colour colour) {
-  append("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"{}/>\n",
-         left, upper, width, height, hex(colour), opacityText(colour));
-}
-
-void SvgCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
-                     Weight weight) {
-  if (line.empty()) return;
-  const ShapedLine shaped = shapeForPage(line, weight);
-  // From right to left, a line ends at its left end.
-  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{}{}{} fill=\"{}\">{}</text>\n", left,
-         baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "",
-         shaped.isRightToLeft ? " direction=\"rtl\" text-anchor=\"end\"" : "",
-         fallbackStyle(shaped, fontFamily_), hex(colour), escaped(line));
-}
-
-std::string SvgCanvas::finish() {
-  return file_ + "</svg>\n";
-}
-
 }  // namespace
 
 int pixelsOf(double millimetres, double dotsPerInch) {
@@ -273,10 +243,6 @@ int pixelsOf(double millimetres, double dotsPerInch) {
 
 int emOf(double points, double dotsPerInch) {
   return std::max(1, static_cast<int>(std::lround(points / kPointsPerInch * dotsPerInch)));
-}
-
-std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
-  return std::make_unique<SvgCanvas>(settings);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -321,74 +287,140 @@ Colour straightColour(std::uint32_t pixel) {
 /// Common drawing code with Cairo.
 class CairoCanvas : public Canvas {
  public:
-  ~CairoCanvas() override;
+  /// Owns the surface, on which `scale` units are a pixel of the settings.
+  CairoCanvas(cairo_surface_t* surface, double scale, const PageSettings& settings)
+      : surface_(surface),
+        pen_(cairo_create(surface)),
+        parts_{{1, settings.outlines}},
+        fontFamily_(settings.fontFamily) {
+    cairo_scale(pen_, scale, scale);
+    cairo_set_line_join(pen_, CAIRO_LINE_JOIN_ROUND);
+    if (settings.background.alpha > 0) {
+      box(0, 0, settings.size.width, settings.size.height, settings.background);
+    }
+  }
+  ~CairoCanvas() override {
+    for (const auto& [file, font] : fonts_) cairo_font_face_destroy(font);
+    cairo_destroy(pen_);
+    cairo_surface_destroy(surface_);
+  }
   CairoCanvas(const CairoCanvas&) = delete;
   CairoCanvas& operator=(const CairoCanvas&) = delete;
 
-  void begin(const std::string& name, double opacity = 1) override;
+  /// A part with opacity is drawn separately as a group and painted at once, so its overlaps are
+  /// not darker.
+  void begin(const std::string&, double opacity = 1) override {
+    cairo_save(pen_);
+    if (opacity < 1) cairo_push_group(pen_);
+    parts_.push_back({opacity, parts_.back().outlines});
+  }
+
+  /// The clip ends with the part, by cairo_restore.
   void beginWithin(const std::string& name, double left, double upper, double width,
-                   double height) override;
-  void end() override;
-  void setOutlines(const OutlineStyle& style) override;
-  void polygon(const Points& corners, Colour colour) override;
-  void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override;
-  void lines(const std::vector<Points>& lines, double width, Colour colour) override;
-  void box(double left, double upper, double width, double height, Colour colour) override;
+                   double height) override {
+    begin(name);
+    cairo_rectangle(pen_, left, upper, width, height);
+    cairo_clip(pen_);
+  }
+
+  void end() override {
+    const double opacity = parts_.back().opacity;
+    parts_.pop_back();
+    if (opacity < 1) {
+      cairo_pop_group_to_source(pen_);
+      cairo_paint_with_alpha(pen_, opacity);
+    }
+    cairo_restore(pen_);
+  }
+
+  void setOutlines(const OutlineStyle& style) override { parts_.back().outlines = style; }
+  double silhouetteWidth() const override { return parts_.back().outlines.silhouetteWidth; }
+
+  /// Filled and stroked in one colour: the stroke covers the hairline to its neighbours. The
+  /// combined opacity is that of the colour.
+  void polygon(const Points& corners, Colour colour) override {
+    if (colour.alpha < 255) {
+      begin({}, colour.alpha / 255.0);
+      polygon(corners, {colour.red, colour.green, colour.blue});
+      end();
+      return;
+    }
+    choose(colour);
+    trace(corners);
+    cairo_close_path(pen_);
+    cairo_fill_preserve(pen_);
+    cairo_set_line_width(pen_, seamWidth(parts_.back().outlines));
+    cairo_stroke(pen_);
+  }
+
+  void seams(const std::vector<Points>& lines, Colour colour) override {
+    this->lines(lines, cutSeamWidth(parts_.back().outlines), colour);
+  }
+
+  void outlines(const std::vector<Points>& lines, Line kind, double opacity) override {
+    const OutlineStyle& style = parts_.back().outlines;
+    Colour colour = style.colour;
+    colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
+    cairo_set_line_cap(pen_, CAIRO_LINE_CAP_ROUND);
+    this->lines(lines, kind == Line::Slit ? style.slitWidth : style.silhouetteWidth, colour);
+    cairo_set_line_cap(pen_, CAIRO_LINE_CAP_BUTT);
+  }
+
+  void lines(const std::vector<Points>& lines, double width, Colour colour) override {
+    choose(colour);
+    cairo_set_line_width(pen_, width);
+    for (const Points& line : lines) {
+      trace(line);
+      if (isClosed(line)) cairo_close_path(pen_);
+    }
+    cairo_stroke(pen_);
+  }
+
+  void box(double left, double upper, double width, double height, Colour colour) override {
+    choose(colour);
+    cairo_rectangle(pen_, left, upper, width, height);
+    cairo_fill(pen_);
+  }
+
+  /// Cairo's simple text interface has no shaping, so it draws plain lines only.
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
-            Weight weight) override;
-  double silhouetteWidth() const override;
+            Weight weight) override {
+    choose(colour);
+    const ShapedLine shaped = shapeForPage(line, weight);
+    if (!shaped.isPlain) {
+      for (const TextRun& run : shaped.runs) show(run, left, baseline, em);
+      return;
+    }
+    cairo_select_font_face(
+        pen_, fontFamily_.c_str(), CAIRO_FONT_SLANT_NORMAL,
+        weight == Weight::Bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(pen_, em);
+    cairo_move_to(pen_, left, baseline);
+    cairo_show_text(pen_, line.c_str());
+  }
 
  protected:
-  struct Internals;
-  CairoCanvas();
+  cairo_surface_t* surface() const { return surface_; }
 
-  std::unique_ptr<Internals> internals_;  ///< made by the constructors below
-};
-
-/// Destroyed before the bytes that the surface writes to.
-struct CairoCanvas::Internals {
-  cairo_surface_t* surface = nullptr;
-  cairo_t* pen = nullptr;
+ private:
   /// An open part; the first one is the page.
   struct CairoPart {
     double opacity;
     OutlineStyle outlines;
   };
-  std::vector<CairoPart> parts;
-  std::string fontFamily;
-  std::map<FontFile, cairo_font_face_t*> fonts;  ///< of shaped text
-
-  /// Owns the surface, on which `scale` units are a pixel of the settings.
-  Internals(cairo_surface_t* made, double scale, const PageSettings& settings)
-      : surface(made),
-        pen(cairo_create(made)),
-        parts{{1, settings.outlines}},
-        fontFamily(settings.fontFamily) {
-    cairo_scale(pen, scale, scale);
-    cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
-    if (settings.background.alpha == 0) return;
-    choose(settings.background);
-    cairo_rectangle(pen, 0, 0, settings.size.width, settings.size.height);
-    cairo_fill(pen);
-  }
-  Internals(const Internals&) = delete;
-  Internals& operator=(const Internals&) = delete;
-  ~Internals() {
-    for (const auto& [file, font] : fonts) cairo_font_face_destroy(font);
-    cairo_destroy(pen);
-    cairo_surface_destroy(surface);
-  }
-
-  const OutlineStyle& outlines() const { return parts.back().outlines; }
 
   void choose(Colour colour) const {
-    cairo_set_source_rgba(pen, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0,
+    cairo_set_source_rgba(pen_, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0,
                           colour.alpha / 255.0);
   }
 
+  void trace(const Points& points) const {
+    cairo_new_sub_path(pen_);
+    for (const Eigen::Vector2d& point : points) cairo_line_to(pen_, point.x(), point.y());
+  }
+
   cairo_font_face_t* fontOf(const FontFile& file) {
-    cairo_font_face_t*& font = fonts[file];
+    cairo_font_face_t*& font = fonts_[file];
     if (font == nullptr) {
       font =
           cairo_ft_font_face_create_for_pattern(static_cast<FcPattern*>(fontPattern(file).get()));
@@ -410,221 +442,102 @@ struct CairoCanvas::Internals {
       text += cluster.text;
       clusters.push_back({static_cast<int>(cluster.text.size()), cluster.glyphs});
     }
-    cairo_set_font_face(pen, fontOf(run.font));
-    cairo_set_font_size(pen, em);
-    cairo_show_text_glyphs(pen, text.data(), static_cast<int>(text.size()), glyphs.data(),
+    cairo_set_font_face(pen_, fontOf(run.font));
+    cairo_set_font_size(pen_, em);
+    cairo_show_text_glyphs(pen_, text.data(), static_cast<int>(text.size()), glyphs.data(),
                            static_cast<int>(glyphs.size()), clusters.data(),
                            static_cast<int>(clusters.size()),
                            static_cast<cairo_text_cluster_flags_t>(0));
   }
 
-  void trace(const Points& points) const {
-    cairo_new_sub_path(pen);
-    for (const Eigen::Vector2d& point : points) cairo_line_to(pen, point.x(), point.y());
-  }
-
-  void stroke(const std::vector<Points>& lines, double width) const {
-    cairo_set_line_width(pen, width);
-    for (const Points& line : lines) {
-      trace(line);
-      if (line.size() > 2 && line.front() == line.back()) cairo_close_path(pen);
-    }
-    cairo_stroke(pen);
-  }
+  cairo_surface_t* surface_;
+  cairo_t* pen_;
+  std::vector<CairoPart> parts_;
+  std::string fontFamily_;
+  std::map<FontFile, cairo_font_face_t*> fonts_;  // of shaped text
 };
 
-CairoCanvas::CairoCanvas() = default;
-
-CairoCanvas::~CairoCanvas() = default;
-
-/// A part with opacity is drawn separately as a group and painted at once, so its overlaps are not
-/// darker.
-void CairoCanvas::begin(const std::string&, double opacity) {
-  cairo_save(internals_->pen);
-  if (opacity < 1) cairo_push_group(internals_->pen);
-  internals_->parts.push_back({opacity, internals_->outlines()});
-}
-
-/// The clip ends with the part, by cairo_restore.
-void CairoCanvas::beginWithin(const std::string& name, double left, double upper, double width,
-                              double height) {
-  begin(name);
-  cairo_rectangle(internals_->pen, left, upper, width, height);
-  cairo_clip(internals_->pen);
-}
-
-void CairoCanvas::end() {
-  const double opacity = internals_->parts.back().opacity;
-  internals_->parts.pop_back();
-  if (opacity < 1) {
-    cairo_pop_group_to_source(internals_->pen);
-    cairo_paint_with_alpha(internals_->pen, opacity);
-  }
-  cairo_restore(internals_->pen);
-}
-
-/// Filled and stroked in one colour: the stroke covers the hairline to its neighbours. The combined
-/// opacity is that of the colour.
-void CairoCanvas::polygon(const Points& corners, Colour colour) {
-  if (colour.alpha < 255) {
-    begin({}, colour.alpha / 255.0);
-    polygon(corners, {colour.red, colour.green, colour.blue});
-    end();
-    return;
-  }
-  cairo_t* pen = internals_->pen;
-  internals_->choose(colour);
-  internals_->trace(corners);
-  cairo_close_path(pen);
-  cairo_fill_preserve(pen);
-  cairo_set_line_width(pen, seamWidth(internals_->outlines()));
-  cairo_stroke(pen);
-}
-
-void CairoCanvas::seams(const std::vector<Points>& lines, Colour colour) {
-  internals_->choose(colour);
-  internals_->stroke(lines, cutSeamWidth(internals_->outlines()));
-}
-
-void CairoCanvas::setOutlines(const OutlineStyle& style) {
-  internals_->parts.back().outlines = style;
-}
-
-double CairoCanvas::silhouetteWidth() const {
-  return internals_->outlines().silhouetteWidth;
-}
-
-void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, double opacity) {
-  const OutlineStyle& style = internals_->outlines();
-  Colour colour = style.colour;
-  colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
-  internals_->choose(colour);
-  cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_ROUND);
-  internals_->stroke(lines, kind == Line::Slit ? style.slitWidth : style.silhouetteWidth);
-  cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_BUTT);
-}
-
-void CairoCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {
-  internals_->choose(colour);
-  internals_->stroke(lines, width);
-}
-
-void CairoCanvas::box(double left, double upper, double width, double height, Colour colour) {
-  internals_->choose(colour);
-  cairo_rectangle(internals_->pen, left, upper, width, height);
-  cairo_fill(internals_->pen);
-}
-
-/// Cairo's simple text interface has no shaping, so it draws plain lines only.
-void CairoCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
-                       Weight weight) {
-  internals_->choose(colour);
-  const ShapedLine shaped = shapeForPage(line, weight);
-  if (!shaped.isPlain) {
-    for (const TextRun& run : shaped.runs) internals_->show(run, left, baseline, em);
-    return;
-  }
-  cairo_select_font_face(
-      internals_->pen, internals_->fontFamily.c_str(), CAIRO_FONT_SLANT_NORMAL,
-      weight == Weight::Bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(internals_->pen, em);
-  cairo_move_to(internals_->pen, left, baseline);
-  cairo_show_text(internals_->pen, line.c_str());
-}
+/// The bytes of a PDF. They are a base of PdfCanvas, because they must outlive the surface.
+struct PdfBytes {
+  std::string file;
+};
 
 /// One page of width x height pixels at the settings' resolution.
-class PdfCanvas : public CairoCanvas {
+class PdfCanvas : private PdfBytes, public CairoCanvas {
  public:
-  explicit PdfCanvas(const PageSettings& settings);
-  ~PdfCanvas() override;
+  explicit PdfCanvas(const PageSettings& settings)
+      : CairoCanvas(surfaceOf(settings, file), pointsPerPixel(settings), settings) {}
 
-  std::string finish() override;
+  std::string finish() override {
+    cairo_surface_finish(surface());
+    requireDrawn(surface(), "PDF");
+    return std::move(file);
+  }
 
  private:
-  std::unique_ptr<std::string> file_;  ///< output of Cairo
+  static double pointsPerPixel(const PageSettings& settings) {
+    return kPointsPerInch / settings.pixelsPerInch;
+  }
+
+  static cairo_surface_t* surfaceOf(const PageSettings& settings, std::string& file) {
+    const double points = pointsPerPixel(settings);
+    cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
+        appendBytes, &file, settings.size.width * points, settings.size.height * points);
+    // Real dates would make the bytes of each run different.
+    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT,
+                                   settings.description.c_str());
+    return surface;
+  }
 };
-
-PdfCanvas::PdfCanvas(const PageSettings& settings) : file_(std::make_unique<std::string>()) {
-  const double points = kPointsPerInch / settings.pixelsPerInch;
-  cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
-      appendBytes, file_.get(), settings.size.width * points, settings.size.height * points);
-  // Real dates would make the bytes of each run different.
-  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
-  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT, settings.description.c_str());
-  internals_ = std::make_unique<Internals>(surface, points, settings);
-}
-
-PdfCanvas::~PdfCanvas() {
-  // Cairo writes its last bytes when the surface is destroyed.
-  internals_.reset();
-}
-
-std::string PdfCanvas::finish() {
-  cairo_surface_finish(internals_->surface);
-  requireDrawn(internals_->surface, "PDF");
-  return std::move(*file_);
-}
 
 /// Cairo's pixels are 32-bit words with premultiplied alpha.
 class PngCanvas : public CairoCanvas {
  public:
-  explicit PngCanvas(const PageSettings& settings);
+  explicit PngCanvas(const PageSettings& settings)
+      : CairoCanvas(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, settings.size.width,
+                                               settings.size.height),
+                    1, settings),
+        settings_(settings) {}
 
-  std::string finish() override;
+  std::string finish() override {
+    return pngBytes(frame(),
+                    {.dotsPerInch = settings_.pixelsPerInch, .description = settings_.description});
+  }
+
   /// The pixels drawn so far. Throws OutputError.
-  Frame frame() const;
+  Frame frame() const {
+    cairo_surface_flush(surface());
+    requireDrawn(surface(), "picture");
+    const std::uint8_t* rows = cairo_image_surface_get_data(surface());
+    const int stride = cairo_image_surface_get_stride(surface());
+    Frame frame = makeFrame(settings_.size, settings_.background);
+    for (int y = 0; y < settings_.size.height; ++y) {
+      for (int x = 0; x < settings_.size.width; ++x) {
+        std::uint32_t pixel = 0;  // alpha, red, green, blue from the highest byte; premultiplied
+        std::memcpy(&pixel, rows + y * stride + 4 * x, sizeof pixel);
+        frame.set(x, y, straightColour(pixel));
+      }
+    }
+    return frame;
+  }
 
  private:
   PageSettings settings_;
 };
 
-PngCanvas::PngCanvas(const PageSettings& settings) : settings_(settings) {
-  cairo_surface_t* surface =
-      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, settings.size.width, settings.size.height);
-  internals_ = std::make_unique<Internals>(surface, 1, settings);
-}
-
-std::string PngCanvas::finish() {
-  return pngBytes(frame(),
-                  {.dotsPerInch = settings_.pixelsPerInch, .description = settings_.description});
-}
-
-Frame PngCanvas::frame() const {
-  cairo_surface_flush(internals_->surface);
-  requireDrawn(internals_->surface, "picture");
-  const std::uint8_t* rows = cairo_image_surface_get_data(internals_->surface);
-  const int stride = cairo_image_surface_get_stride(internals_->surface);
-  Frame frame = makeFrame(settings_.size, settings_.background);
-  for (int y = 0; y < settings_.size.height; ++y) {
-    for (int x = 0; x < settings_.size.width; ++x) {
-      std::uint32_t pixel = 0;  // alpha, red, green, blue from the highest byte; premultiplied
-      std::memcpy(&pixel, rows + y * stride + 4 * x, sizeof pixel);
-      frame.set(x, y, straightColour(pixel));
-    }
-  }
-  return frame;
-}
-
 }  // namespace
-
-std::unique_ptr<Canvas> makePdfCanvas(const PageSettings& settings) {
-  return std::make_unique<PdfCanvas>(settings);
-}
-
-std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings) {
-  return std::make_unique<PngCanvas>(settings);
-}
 
 std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings) {
   switch (format) {
     case PageFormat::Svg:
-      return makeSvgCanvas(settings);
+      return std::make_unique<SvgCanvas>(settings);
     case PageFormat::Pdf:
-      return makePdfCanvas(settings);
+      return std::make_unique<PdfCanvas>(settings);
     case PageFormat::Png:
       break;
   }
-  return makePngCanvas(settings);
+  return std::make_unique<PngCanvas>(settings);
 }
 
 Frame drawnPage(const PageSettings& settings, const std::function<void(Canvas&)>& draw) {

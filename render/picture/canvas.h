@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -114,30 +113,14 @@ class Canvas : public Surface {
   virtual std::string finish() = 0;
 };
 
-/// Format of a page.
+/// Format of a page. SVG 1.1: filled paths, lines and text, named groups that editors show as
+/// layers, and one style sheet with the appearance of faces, outlines and text. PDF: one page with
+/// the size of the settings' pixels at their resolution, shapes and text as vector graphics, the
+/// font embedded. PNG: the settings' pixels and their resolution.
 enum class PageFormat { Svg, Pdf, Png };
 
-// ------------------------------------------------------------------------------------------------
-// Pages as SVG, for print and for editing.
-
-/// Writes SVG 1.1 for any program: filled paths, lines and text, named groups that editors show as
-/// layers, and one style sheet with the appearance of faces, outlines and text. Equal pages give
-/// equal bytes. The text is built in memory.
-std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings);
-
-// ------------------------------------------------------------------------------------------------
-// Pages as PDF and as PNG, by Cairo. No Cairo header is needed to make them.
-
-/// Writes a PDF of one page with the size of the settings' pixels at their resolution. Shapes and
-/// text stay vector graphics, and the font is embedded. Equal pages give equal bytes. finish()
-/// throws OutputError.
-std::unique_ptr<Canvas> makePdfCanvas(const PageSettings& settings);
-
-/// Writes a PNG with the settings' pixels and stores their resolution. Equal pages give equal
-/// bytes. Throws OutputError if there is too little memory.
-std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings);
-
-/// A page of any format. The settings' size must be valid, see requireValidSize().
+/// A page of any format. Equal pages give equal bytes. The settings' size must be valid, see
+/// requireValidSize(). Throws OutputError if there is too little memory.
 std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings);
 
 /// The pixels of a page that `draw` draws on. Its background may be transparent. Throws OutputError

@@ -17,11 +17,9 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <memory>
 #include <numbers>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,9 +28,6 @@
 #include "render/picture/gl_context.h"
 #include "render/picture/grid.h"
 #include "render/picture/label.h"
-#include "render/picture/png.h"
-#include "render/record/pace.h"
-#include "render/record/pipeline.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
@@ -522,15 +517,12 @@ void append(std::vector<CardLine>& lines, const std::string& text, double em, do
     lines.push_back({std::move(line), em});
 }
 
-double widthOf(const CardLine& line) {
-  return picture::LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
-}
-
 /// Reduces all lines by the largest excess of a width or of the total height.
 void shrinkToFit(std::vector<CardLine>& lines, picture::FrameSize size) {
   double widest = 1, height = 1;
   for (const CardLine& line : lines) {
-    widest = std::max(widest, widthOf(line));
+    widest = std::max<double>(
+        widest, picture::LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text));
     height += kCardLineEms * line.em;
   }
   const double share =
@@ -719,8 +711,8 @@ void PanelSheet::writeDrawings() {
     for (const FrameState& state : rows_[row].states) {
       const picture::ShownState shown = shownState(state);
       report_.files.push_back(output::snapshotDrawing(++number).string());
-      const std::unique_ptr<picture::Canvas> page =
-          picture::makeSvgCanvas(pageSettings(setup, setup.pictureSize(), settings_.madeBy));
+      const std::unique_ptr<picture::Canvas> page = picture::makeCanvas(
+          picture::PageFormat::Svg, pageSettings(setup, setup.pictureSize(), settings_.madeBy));
       picture::drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(), {0, 0},
                             "", *page);
       writeTextFile(settings_.folder / report_.files.back(), page->finish());

@@ -38,7 +38,8 @@ void drawOn(picture::Canvas& page) {
 }
 
 std::string pdf() {
-  const std::unique_ptr<picture::Canvas> page = picture::makePdfCanvas(kPage);
+  const std::unique_ptr<picture::Canvas> page =
+      picture::makeCanvas(picture::PageFormat::Pdf, kPage);
   drawOn(*page);
   return page->finish();
 }
@@ -87,7 +88,8 @@ TEST(Pdf, IsTheSameEveryTime) {
 }
 
 TEST(SvgPage, HasLayersTextAndOneStyle) {
-  const std::unique_ptr<picture::Canvas> page = picture::makeSvgCanvas(kPage);
+  const std::unique_ptr<picture::Canvas> page =
+      picture::makeCanvas(picture::PageFormat::Svg, kPage);
   drawOn(*page);
   const std::string svg = page->finish();
   EXPECT_THAT(svg, HasSubstr("width=\"180.001mm\""));

@@ -37,13 +37,14 @@ struct Scenery {
   std::string svg() const {
     picture::PictureGeometry geometry;
     picture::GeometryBuilder(sample.bricks, style).draw(items, camera, geometry);
-    const std::unique_ptr<picture::Canvas> page = picture::makeSvgCanvas(
-        {.size = kSize,
-         .background = style.background,
-         .outlines = {.colour = style.edge,
-                      .slitWidth = style.slitWidth * kSize.height,
-                      .silhouetteWidth = style.silhouetteWidth * kSize.height},
-         .fontFamily = "DejaVu Sans"});
+    const std::unique_ptr<picture::Canvas> page =
+        picture::makeCanvas(picture::PageFormat::Svg,
+                            {.size = kSize,
+                             .background = style.background,
+                             .outlines = {.colour = style.edge,
+                                          .slitWidth = style.slitWidth * kSize.height,
+                                          .silhouetteWidth = style.silhouetteWidth * kSize.height},
+                             .fontFamily = "DejaVu Sans"});
     picture::drawGeometry(geometry, camera, kSize, {0, 0}, "", *page);
     return page->finish();
   }
