@@ -12,9 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -49,30 +47,26 @@ std::vector<model::Corner> allCorners(const std::vector<model::Tile>& tiles) {
 class CornerGroups {
  public:
   // Initially each corner is its own group.
-  explicit CornerGroups(const std::vector<model::Tile>& tiles) : corners_(allCorners(tiles)) {
+  explicit CornerGroups(const std::vector<model::Tile>& tiles)
+      : corners_(allCorners(tiles)), groups_(corners_.size()) {
     first_.push_back(0);
     for (const model::Tile& tile : tiles) {
       first_.push_back(first_.back() + static_cast<int>(tile.vertices.size()));
     }
-    parents_.resize(corners_.size());
-    std::iota(parents_.begin(), parents_.end(), 0);
   }
 
   const std::vector<model::Corner>& corners() const { return corners_; }
 
   void merge(const model::Corner& a, const model::Corner& b) {
-    const int rootA = root(indexOf(a)), rootB = root(indexOf(b));
-    // The lower number becomes the root. Groups then do not depend on the order of merging.
-    parents_[std::max(rootA, rootB)] = std::min(rootA, rootB);
+    groups_.unite(indexOf(a), indexOf(b));
   }
 
   /// Zero-based numbers of the groups, in the order of their first corners.
   CornerNumbers numbers() {
     CornerNumbers result(first_.size() - 1);
-    std::map<int, int> known;
-    for (int k = 0; k < std::ssize(corners_); ++k) {
-      const int number = known.try_emplace(root(k), static_cast<int>(known.size())).first->second;
-      result[corners_[k].tile].push_back(number);
+    const std::vector<int> numbers = groups_.numbers();
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      result[corners_[k].tile].push_back(numbers[k]);
     }
     return result;
   }
@@ -80,19 +74,9 @@ class CornerGroups {
  private:
   int indexOf(const model::Corner& corner) const { return first_[corner.tile] + corner.vertex; }
 
-  // The lowest corner of a group.
-  int root(int index) {
-    while (parents_[index] != index) {
-      // Path halving keeps the trees flat.
-      parents_[index] = parents_[parents_[index]];
-      index = parents_[index];
-    }
-    return index;
-  }
-
   std::vector<model::Corner> corners_;
   std::vector<int> first_;
-  std::vector<int> parents_;
+  DisjointSets groups_;
 };
 
 /// Finds corners that coincide in every state in less than quadratic time, by a grid in the first
@@ -226,15 +210,6 @@ CornerNumbers coincidingNumbers(const std::vector<const std::vector<model::Tile>
   near.requireDistinctCorners(numbers);
   return numbers;
 }
-
-}  // namespace
-
-std::vector<model::Joint> jointsOfCoincidingCorners(
-    const std::vector<const std::vector<model::Tile>*>& states, const std::filesystem::path& file) {
-  return jointsOfSharedNumbers(coincidingNumbers(states, file));
-}
-
-namespace {
 
 /// Tiles that share numbers, directly or through others, are one part.
 DisjointSets partsByNumbers(const CornerNumbers& numbers) {

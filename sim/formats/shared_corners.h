@@ -15,17 +15,11 @@ using CornerNumbers = std::vector<std::vector<int>>;
 /// corner is joined to the next one in tile order.
 std::vector<model::Joint> jointsOfSharedNumbers(const CornerNumbers& numbers);
 
-/// Joints between corners of different tiles that coincide in every given state, to the
-/// precision of the written digits (samePlaceTolerance). All states hold the same tiles.
-/// Requires at least one state. Throws InputError with the file name if corners are that near
-/// but are different.
-std::vector<model::Joint> jointsOfCoincidingCorners(
-    const std::vector<const std::vector<model::Tile>*>& states, const std::filesystem::path& file);
-
 /// Vertex numbers of a mesh. Between tiles that share numbers, directly or through others, the
 /// file's own numbers decide. Corners of other tiles get the same number if they coincide in every
-/// state: programs write the vertices of each object, or of each face, again. Throws InputError as
-/// jointsOfCoincidingCorners().
+/// state, to the precision of the written digits (samePlaceTolerance): programs write the vertices
+/// of each object, or of each face, again. All states hold the same tiles. Throws InputError with
+/// the file name if corners are that near but are different.
 CornerNumbers meshNumbers(const CornerNumbers& numbers,
                           const std::vector<const std::vector<model::Tile>*>& states,
                           const std::filesystem::path& file);

@@ -19,17 +19,15 @@
 #include "sim/generate/shells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
-#include "sim/generate/lattice.h"
 
 namespace kirireel::generate {
 namespace {
@@ -591,41 +589,6 @@ void FlatRectangle::addOnSide(EquationRows& rows, const Eigen::VectorXd& unknown
 
 namespace {
 
-/// Groups of corners, merged pair by pair.
-class JoinedCorners {
- public:
-  explicit JoinedCorners(int tiles) : parents_(std::size_t(4 * tiles)) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-  }
-
-  void merge(int a, int b) { parents_[std::size_t(find(b))] = find(a); }
-
-  // Numbered by their first corners.
-  NodeMap nodes() {
-    NodeMap map;
-    std::map<int, int> numbers;
-    const int tiles = static_cast<int>(parents_.size()) / 4;
-    for (int tile = 0; tile < tiles; ++tile) {
-      std::vector<int>& nodes = map.nodeOf.emplace_back();
-      for (int k = 0; k < 4; ++k) {
-        const auto [entry, isNew] = numbers.try_emplace(find(4 * tile + k), map.nodeCount);
-        map.nodeCount += isNew ? 1 : 0;
-        nodes.push_back(entry->second);
-      }
-    }
-    return map;
-  }
-
- private:
-  // Groups have at most four corners, so their trees stay flat.
-  int find(int corner) {
-    while (parents_[std::size_t(corner)] != corner) corner = parents_[std::size_t(corner)];
-    return corner;
-  }
-
-  std::vector<int> parents_;
-};
-
 /// A quad's edges and diagonal from its corner 0.
 struct QuadVectors {
   std::array<UnknownPoint, 4> corners;
@@ -652,11 +615,17 @@ void addProductSlopes(EquationRows& rows, const QuadVectors& quad, int i, int j,
 }  // namespace
 
 NodeMap openNodes(const Lattice& lattice) {
-  JoinedCorners groups(lattice.tileCount());
+  DisjointSets corners(std::size_t(4 * lattice.tileCount()));
   for (const model::Joint& joint : latticeJoints(lattice, model::JointFace::Bottom)) {
-    groups.merge(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
+    corners.unite(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
   }
-  return groups.nodes();
+  const std::vector<int> numbers = corners.numbers();
+  NodeMap map;
+  for (auto first = numbers.begin(); first != numbers.end(); first += 4) {
+    map.nodeOf.emplace_back(first, first + 4);
+  }
+  map.nodeCount = 1 + std::ranges::max(numbers);
+  return map;
 }
 
 NodeMap nodesClosedAtStart(const Lattice& lattice) {

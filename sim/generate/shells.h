@@ -125,20 +125,20 @@ void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& desir
 
 /// Adds that every quad has the same shape in both states: the inner products of its edges from
 /// corner 0 with each other and with the diagonal. (Edge lengths and one diagonal would allow the
-/// quad to fold over.) Both states have the same tiles; five equations a tile, in m^2. A quad in
+/// quad to fold over.) Both states have the same tiles; five equations per tile, in m^2. A quad in
 /// the plane needs the same number.
 void addCongruence(EquationRows& rows, const StateUnknowns& a, const StateUnknowns& b,
                    const Eigen::VectorXd& unknowns);
 
-/// Adds that every quad of a state in space is planar. One equation a tile, in m^3. `state` has
+/// Adds that every quad of a state in space is planar. One equation per tile, in m^3. `state` has
 /// three dimensions.
 void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::VectorXd& unknowns);
 
 // ------------------------------------------------------------------------------------------------
 // Common parts of the designs of shells.
 
-/// The fit of a design. Throws InputError naming the family when its exact equations do not come to
-/// hold.
+/// The fit of a design. Throws InputError with the name of the family if its exact equations cannot be
+/// fulfilled.
 Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings);
 
@@ -176,7 +176,7 @@ class FlatRectangle {
   /// Adds that the boundary's nodes lie on the rectangle.
   void addExact(EquationRows& rows, const Eigen::VectorXd& unknowns) const;
 
-  /// Adds weight * (node - its place in an even grid) for all nodes.
+  /// Adds weight * (node - its position in an even grid) for all nodes.
   void addEvenGrid(EquationRows& rows, const Eigen::VectorXd& unknowns, double weight) const;
 
   /// Node `number` of the closed boundary, anticlockwise from the bottom left.

@@ -32,6 +32,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 
 namespace kirireel::generate {
@@ -542,31 +543,12 @@ class ChainSearch {
   std::mt19937 generator_{1};
 };
 
-/// Connected parts of tiles: all tiles of a part have the same number.
-class Parts {
- public:
-  explicit Parts(std::size_t tiles) : parents_(tiles) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-  }
-
-  int partOf(int tile) const {
-    while (parents_[std::size_t(tile)] != tile) tile = parents_[std::size_t(tile)];
-    return tile;
-  }
-  void join(const VertexJoint& joint) { parents_[std::size_t(partOf(joint.b))] = partOf(joint.a); }
-
-  /// The largest part's number.
-  int largest(const std::vector<int>& tiles) const {
-    std::map<int, int> sizes;
-    for (const int tile : tiles) ++sizes[partOf(tile)];
-    return std::max_element(sizes.begin(), sizes.end(),
-                            [](const auto& a, const auto& b) { return a.second < b.second; })
-        ->first;
-  }
-
- private:
-  std::vector<int> parents_;
-};
+/// The number of the part with most of the tiles.
+int largestPart(DisjointSets& parts, const std::vector<int>& tiles) {
+  std::map<int, int> sizes;
+  for (const int tile : tiles) ++sizes[parts.lowestOf(tile)];
+  return std::ranges::max_element(sizes, {}, [](const auto& part) { return part.second; })->first;
+}
 
 /// The tiles around each vertex.
 std::vector<std::vector<int>> tilesRound(const Tiling& tiling) {
@@ -664,24 +646,24 @@ model::Model makeThinned(const Tiling& tiling) {
   const auto isThin = [&](int tile) { return bool(tiling.isThin[std::size_t(tile)]); };
   std::erase_if(kept, isThin);
   std::vector<VertexJoint> joints = clockwiseJoints(tiling, kept);
-  Parts parts(tiling.tiles.size());
-  for (const VertexJoint& joint : joints) parts.join(joint);
+  DisjointSets parts(tiling.tiles.size());
+  for (const VertexJoint& joint : joints) parts.unite(joint.a, joint.b);
   // Parts with only a common vertex are linked there. They are found before any linking, so the
   // order of vertices does not matter.
-  const Parts byEdges = parts;
+  DisjointSets byEdges = parts;
   for (std::vector<int>& around : tilesRound(tiling)) {
     std::erase_if(around, isThin);
     if (around.empty()) continue;
     const auto other = std::find_if(around.begin(), around.end(), [&](int tile) {
-      return byEdges.partOf(tile) != byEdges.partOf(around.front());
+      return byEdges.lowestOf(tile) != byEdges.lowestOf(around.front());
     });
     if (other == around.end()) continue;
     joints.push_back({around.front(), *other, sharedVertex(tiling, around.front(), *other)});
-    parts.join(joints.back());
+    parts.unite(joints.back().a, joints.back().b);
   }
-  const int part = parts.largest(kept);
-  std::erase_if(kept, [&](int tile) { return parts.partOf(tile) != part; });
-  std::erase_if(joints, [&](const VertexJoint& joint) { return parts.partOf(joint.a) != part; });
+  const int part = largestPart(parts, kept);
+  std::erase_if(kept, [&](int tile) { return parts.lowestOf(tile) != part; });
+  std::erase_if(joints, [&](const VertexJoint& joint) { return parts.lowestOf(joint.a) != part; });
   return jointedModel(tiling, kept, joints);
 }
 
