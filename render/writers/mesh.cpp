@@ -92,18 +92,23 @@ aiVector3D numbered(unsigned corner) {
   return {static_cast<float>(corner), 0, 0};
 }
 
-/// Unit and outward; in single precision, since normals only affect shading.
-aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
-  const Vector3& middle = corners[face[1]];
-  Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
-  // The corner of a concave face may turn inwards.
+/// The outward normal of a face, whose corner 1 may turn inwards.
+Vector3 normalOf(const std::vector<Vector3>& face) {
+  // The fan's area vector points outwards, even if individual corners do not.
+  const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
   Vector3 area = Vector3::Zero();
   for (std::size_t k = 2; k < face.size(); ++k) {
-    area += (corners[face[k - 1]] - corners[face[0]]).cross(corners[face[k]] - corners[face[0]]);
+    area += (face[k - 1] - face[0]).cross(face[k] - face[0]);
   }
-  if (area.dot(normal) < 0) normal = -normal;
-  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
-          static_cast<float>(normal.z())};
+  return area.dot(normal) < 0 ? Vector3(-normal) : normal;
+}
+
+/// In single precision, since normals only affect shading.
+aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
+  std::vector<Vector3> points;
+  for (const unsigned corner : face) points.push_back(corners[corner]);
+  const Eigen::Vector3f normal = normalOf(points).cast<float>();
+  return {normal.x(), normal.y(), normal.z()};
 }
 
 // Arrays are raw because aiMesh and aiScene delete them.
@@ -374,9 +379,9 @@ std::string meshLibraryVersion() {
 // The JSON describes the buffer. Buffer views are ranges of bytes. Accessors are typed arrays
 // within them: count, component type, offset. There are six views:
 //
-//     positions  3 floats a vertex     normals  3 floats a vertex     indices  1 uint32 a corner
-//     times      1 float a key         moves    3 floats a brick and key
-//     turns      4 floats a brick and key: quaternion x, y, z, w
+//     positions  3 floats per vertex   normals  3 floats per vertex   indices  1 uint32 per corner
+//     times      1 float per key       moves    3 floats per brick and key
+//     turns      4 floats per brick and key: quaternion x, y, z, w
 //
 // Each brick is a mesh in its own axes and a node with translation and rotation. The animation has
 // two channels per node. The geometry is therefore stored once for any number of keys. Between keys
@@ -428,37 +433,6 @@ struct Asset {
   }
 };
 
-/// Bounds of positions in single precision. glTF requires min and max of the stored floats, not of
-/// the doubles.
-class Bounds {
- public:
-  void add(const Vector3& point) {
-    const Eigen::Vector3f rounded = point.cast<float>();
-    least_ = least_.cwiseMin(rounded);
-    most_ = most_.cwiseMax(rounded);
-  }
-
-  void note(Json& accessor) const {
-    accessor["min"] = {least_.x(), least_.y(), least_.z()};
-    accessor["max"] = {most_.x(), most_.y(), most_.z()};
-  }
-
- private:
-  Eigen::Vector3f least_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
-  Eigen::Vector3f most_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::lowest());
-};
-
-/// The outward normal of a face, whose corner 1 may turn inwards.
-Vector3 normalOf(const std::vector<Vector3>& face) {
-  // The fan's area vector points outwards, even if individual corners do not.
-  const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
-  Vector3 area = Vector3::Zero();
-  for (std::size_t k = 2; k < face.size(); ++k) {
-    area += (face[k - 1] - face[0]).cross(face[k] - face[0]);
-  }
-  return area.dot(normal) < 0 ? Vector3(-normal) : normal;
-}
-
 /// Each face has its own vertices with its own normal.
 Json meshJson(const brick::Brick& brick, const std::string& name, Asset& asset) {
   const std::vector<std::vector<Vector3>> faces = brick::brickFaces(brick);
@@ -476,14 +450,15 @@ Json meshJson(const brick::Brick& brick, const std::string& name, Asset& asset) 
   const std::size_t normals = declareNext(kNormals, "VEC3", kGltfFloat, vertices);
   const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
   // Indices are zero-based within the mesh.
-  Bounds bounds;
+  // glTF requires min and max of the stored floats, not of the doubles.
+  Eigen::AlignedBox3f bounds;
   std::uint32_t first = 0;
   for (const std::vector<Vector3>& face : faces) {
     const Vector3 normal = normalOf(face);
     for (const Vector3& point : face) {
       appendVector(asset.views[kPositions], point);
       appendVector(asset.views[kNormals], normal);
-      bounds.add(point);
+      bounds.extend(point.cast<float>());
     }
     for (const auto& triangle : model::trianglesOf(face, normal)) {
       for (const int corner : triangle) {
@@ -492,7 +467,9 @@ Json meshJson(const brick::Brick& brick, const std::string& name, Asset& asset) 
     }
     first += static_cast<std::uint32_t>(face.size());
   }
-  bounds.note(asset.accessors[positions]);
+  const Eigen::Vector3f &least = bounds.min(), &most = bounds.max();
+  asset.accessors[positions]["min"] = {least.x(), least.y(), least.z()};
+  asset.accessors[positions]["max"] = {most.x(), most.y(), most.z()};
   return {
       {"name", name},
       {"primitives", Json::array({{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
