@@ -16,7 +16,6 @@
 #include <functional>
 #include <set>
 #include <sstream>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -18,11 +18,9 @@
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
 #include "sim/base/words.h"
-#include "sim/path/path_choice.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/scene/scene_parts.h"
-#include "sim/trajectory/sheet.h"
 
 namespace kirireel::cli {
 namespace {

@@ -29,9 +29,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <set>
-#include <tuple>
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"

@@ -29,7 +29,6 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <optional>
 
 #include <fmt/format.h>
 

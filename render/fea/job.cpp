@@ -38,7 +38,6 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
-#include "render/fea/deck.h"
 #include "sim/base/error.h"
 #include "sim/mechanics/block_cholesky.h"
 

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <mutex>
-#include <string>
 
 #include <fmt/format.h>
 

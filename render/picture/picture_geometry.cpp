@@ -17,10 +17,8 @@
 #include "render/picture/picture_geometry.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 

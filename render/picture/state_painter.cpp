@@ -11,10 +11,8 @@
 #include "render/picture/state_painter.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -23,7 +21,6 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/base/words.h"
-#include "sim/trajectory/panels.h"
 #include "sim/trajectory/run_curves.h"
 
 namespace kirireel::picture {

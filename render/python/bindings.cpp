@@ -28,7 +28,6 @@
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
-#include "sim/base/file_kinds.h"
 #include "sim/formats/read_model.h"
 #include "sim/trajectory/trajectory_file.h"
 

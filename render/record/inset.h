@@ -1,7 +1,6 @@
 /// A curve of a run in a corner of a video's frames, with a dot at the time of each frame.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "render/picture/canvas.h"

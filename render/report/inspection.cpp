@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,7 +18,7 @@
 #include "render/picture/grid.h"
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
-#include "render/record/summary.h"
+#include "sim/base/files.h"
 #include "sim/base/words.h"
 #include "sim/formats/repairs.h"
 #include "sim/model/convex_parts.h"

@@ -3,8 +3,6 @@
 // cut keeps at least a fifth of its length.
 #include "sim/brick/contact.h"
 
-#include <algorithm>
-
 namespace kirireel::brick {
 namespace {
 

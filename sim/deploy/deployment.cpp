@@ -25,7 +25,6 @@
 #include "sim/path/closing.h"
 #include "sim/path/path_choice.h"
 #include "sim/path/planner.h"
-#include "sim/run/arrival.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/geometric_path.h"

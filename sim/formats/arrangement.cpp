@@ -5,7 +5,6 @@
 #include "sim/formats/arrangement.h"
 
 #include <cmath>
-#include <numeric>
 #include <set>
 
 namespace kirireel::formats {

@@ -21,7 +21,6 @@
 #include "sim/base/error.h"
 #include "sim/base/words.h"
 #include "sim/formats/cut_rays.h"
-#include "sim/formats/middle_lines.h"
 
 namespace kirireel::formats {
 namespace {

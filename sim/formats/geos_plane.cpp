@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "sim/base/error.h"
-#include "sim/formats/arrangement.h"
 
 namespace kirireel::formats {
 namespace {

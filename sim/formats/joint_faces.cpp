@@ -11,7 +11,6 @@
 // it.
 #include "sim/formats/joint_faces.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 

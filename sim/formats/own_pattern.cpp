@@ -37,7 +37,6 @@
 
 #include "sim/base/error.h"
 #include "sim/formats/arrangement.h"
-#include "sim/formats/tile_checks.h"
 
 namespace kirireel::formats {
 namespace {

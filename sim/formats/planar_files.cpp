@@ -8,19 +8,11 @@
 // vertices, and otherwise the only list. It does not guess further: several lists without a default
 // name are an error that lists them.
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <optional>
-#include <regex>
 #include <set>
 #include <string>
-#include <string_view>
 #include <system_error>
-#include <unordered_map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

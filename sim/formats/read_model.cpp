@@ -19,7 +19,6 @@
 #include "sim/formats/drawing.h"
 #include "sim/formats/joint_checks.h"
 #include "sim/formats/model_formats.h"
-#include "sim/formats/read_settings.h"
 #include "sim/formats/repairs.h"
 #include "sim/formats/text_table.h"
 #include "sim/formats/tile_checks.h"

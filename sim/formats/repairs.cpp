@@ -15,6 +15,7 @@
 #include "sim/formats/written_digits.h"
 
 namespace kirireel::formats {
+
 std::string toString(const model::Repair& repair) {
   return fmt::format("{}: repaired: {}; {}", repair.place, repair.found, repair.done);
 }

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>

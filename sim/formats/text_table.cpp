@@ -16,7 +16,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/error.h"
 #include "sim/base/files.h"
 
 namespace kirireel::formats {

@@ -8,9 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 

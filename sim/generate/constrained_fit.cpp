@@ -23,7 +23,6 @@
 #include "sim/generate/constrained_fit.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/SparseCholesky>
 

@@ -9,10 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <map>
-#include <numbers>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

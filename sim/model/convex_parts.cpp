@@ -11,11 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -17,7 +17,6 @@
 #include "sim/model/isometry.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <set>

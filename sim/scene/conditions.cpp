@@ -2,19 +2,14 @@
 // may be zero- or one-based.
 #include "sim/scene/conditions.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
-
-#include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
 
 namespace kirireel::scene {
 

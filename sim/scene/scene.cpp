@@ -1,7 +1,6 @@
 #include "sim/scene/scene.h"
 
 #include <algorithm>
-#include <limits>
 #include <variant>
 
 #include <fmt/format.h>

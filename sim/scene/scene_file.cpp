@@ -7,7 +7,6 @@
 #include "sim/scene/scene_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 
@@ -16,8 +15,6 @@
 #include "sim/base/geometry.h"
 #include "sim/formats/model_formats.h"
 #include "sim/formats/text_table.h"
-#include "sim/scene/conditions.h"
-#include "sim/scene/toml_file.h"
 
 namespace kirireel::scene {
 namespace {

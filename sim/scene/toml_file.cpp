@@ -6,7 +6,6 @@
 #include "sim/scene/toml_file.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -28,7 +27,6 @@
 #endif
 #include <toml++/toml.h>
 
-#include "sim/base/error.h"
 #include "sim/base/files.h"
 
 namespace kirireel::scene {

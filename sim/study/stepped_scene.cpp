@@ -3,7 +3,6 @@
 // only the solver.
 #include "sim/study/stepped_scene.h"
 
-#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -12,7 +11,6 @@
 #include "sim/engines/bullet_world.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
-#include "sim/run/dynamics.h"
 #include "sim/run/rest.h"
 #include "sim/scene/scene_needs.h"
 

@@ -2,7 +2,6 @@
 // angle. Each row has the largest errors of all steps since the previous row: no step is
 // skipped.
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include "sim/trajectory/trajectory_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>

@@ -19,7 +19,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
