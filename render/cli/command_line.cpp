@@ -113,7 +113,7 @@ std::vector<std::string> withLetters(std::vector<std::string> arguments) {
   return arguments;
 }
 
-/// Parses into the targets of the options, or returns the requested page of help.
+/// Parses into the variables of the options, or returns the requested page of help.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 expects the arguments in reverse order.
   std::vector<std::string> reversed = withLetters(translatePeerSpellings(arguments));

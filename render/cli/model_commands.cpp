@@ -18,7 +18,6 @@
 #include "sim/formats/model_formats.h"
 #include "sim/formats/read_model.h"
 #include "sim/formats/tile_checks.h"
-#include "sim/generate/families.h"
 #include "sim/model/isometry.h"
 #include "sim/study/stepped_scene.h"
 
@@ -124,7 +123,7 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
   requireGiven(order.output, "OUT", command);
 }
 
-/// What a model has besides tiles and joints: a name, with {} for the plural's s, and a number.
+/// Parts of a model besides tiles and joints: a name, with {} for the plural's s, and a number.
 std::vector<std::pair<const char*, std::ptrdiff_t>> contentsOf(const model::Model& model) {
   const auto count = [&](auto&& property) { return std::ranges::count_if(model.joints, property); };
   return {

@@ -322,7 +322,7 @@ bool isGiven(const CLI::App& command, const char* option) {
   return found && found->count() > 0;
 }
 
-/// Whether the command has the targets that the condition reads.
+/// Whether the command has the settings that the condition reads.
 bool isApplicable(const OptionEffect& effect, const OptionContext& context) {
   const auto isIn = [&effect](std::span<const OptionEffect> part) {
     return std::ranges::any_of(

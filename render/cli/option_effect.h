@@ -19,7 +19,7 @@ class App;
 
 namespace kirireel::cli {
 
-/// Targets of the options of a command. Null if the command has no such options.
+/// Settings that the options of a command write. Null if the command has no such options.
 struct OptionContext {
   const CLI::App* command = nullptr;                  ///< parsed command
   const record::PictureSettings* pictures = nullptr;  ///< of record and render

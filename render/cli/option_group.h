@@ -15,7 +15,6 @@
 #include "render/picture/frame.h"
 #include "render/picture/grid.h"
 #include "render/record/record.h"
-#include "sim/base/geometry.h"
 #include "sim/scene/settings.h"
 
 namespace CLI {
@@ -122,11 +121,11 @@ TypedView typedView(const picture::ViewAngles& view);
 // Options of one group in a command's help.
 
 /// Adds options of one group to a command; each has a reader for its value. Every wrong value is
-/// reported in the same words. Targets are written while CLI11 parses, in the order of the words.
+/// reported in the same words. Variables are set while CLI11 parses, in the order of the words.
 class OptionGroup {
  public:
   /// `table`: of a scene file that can also set these options; empty if none can. `command` and
-  /// every target given below must outlive the parsing.
+  /// every variable given below must outlive the parsing.
   OptionGroup(CLI::App& command, std::string heading, std::string table = "")
       : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
@@ -170,7 +169,7 @@ class OptionGroup {
   /// must outlive the parsing.
   void setting(const scene::Setting& setting, scene::Scene& scene);
 
-  /// A number within a range; the target's value is the default. Both ends of the range are
+  /// A number within a range; the variable's value is the default. Both ends of the range are
   /// accepted, unless `excludesMost` is set.
   void number(const std::string& name, double& target, scene::Range range, const std::string& unit,
               const std::string& help);
@@ -183,7 +182,7 @@ class OptionGroup {
   void printLength(const std::string& name, double& target, const std::string& unit,
                    scene::Range range, const std::string& help);
 
-  /// A whole number within a range; the target's value is the default.
+  /// A whole number within a range; the variable's value is the default.
   template <typename Integer>
   void integer(const std::string& name, Integer& target, scene::Range range,
                const std::string& unit, const std::string& help) {
@@ -209,8 +208,8 @@ class OptionGroup {
             [&target, choices] { return scene::quotedText(scene::nameOfChoice(choices, target)); });
   }
 
-  /// An option without a value, which sets the target to `given`. It is written as true if the
-  /// target equals `given`.
+  /// An option without a value, which sets the variable to `given`. It is written as true if the
+  /// variable equals `given`.
   Statement flag(const std::string& name, bool& target, const std::string& help, bool given = true);
 
   /// An option without a value that does something else.
@@ -234,7 +233,7 @@ std::vector<std::string> allowedWords(const CLI::Option& option);
 /// The option's table in a scene file; empty if a scene file cannot set it.
 std::string settingTable(const CLI::Option& option);
 
-/// Adds a positional argument. The target stays empty if it is missing, see requireGiven().
+/// Adds a positional argument. The variable stays empty if it is missing, see requireGiven().
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
               const std::string& help);
 

@@ -23,7 +23,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -33,7 +32,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/fea/deck.h"
 #include "render/fea/job.h"
 #include "render/fea/neck_solid.h"
 #include "render/fea/outside_program.h"
@@ -155,12 +153,12 @@ bool exportsElements(const ExportSettings& settings) {
   return hasFormat(settings, kDeck) || hasFormat(settings, kGmsh);
 }
 
-/// Begin of the names of a state's files.
+/// Start of the names of a state's files.
 std::string fileStem(const std::string& label) {
   return "state_" + label;
 }
 
-/// Begin of the names of files of the flat start with necks.
+/// Start of the names of files of the flat start with necks.
 constexpr const char* kSheet = "sheet";
 
 /// The rule with the tile numbers of the model's file, for messages. Planar files are one-based,
@@ -418,7 +416,7 @@ class Exporter {
   /// The job that maps the first state to this one; stores the mesh of the first.
   void writeMap(fea::ElementMesh mesh, const std::string& name, const fea::DeckOrigin& origin) {
     if (!hasFormat(kDeck) || !settings_.decks.stateMap) return;
-    // The first state is the begin of the map. Each later state has a job on its mesh deck.
+    // The map starts at the first state. Each later state has a job on its mesh deck.
     if (!first_) {
       first_.emplace(name, std::move(mesh));
       return;
@@ -652,8 +650,8 @@ struct Locking {
   double scale = 0, byLength = 0, bySlenderness = 0;
 };
 
-/// By how much CalculiX bends a clamped square plate too little under its weight, a fraction of
-/// Kirchhoff's deflection. `slenderness` is width / thickness, `perEdge` the number of elements
+/// The deflection of a clamped square plate under its weight that CalculiX misses, as a fraction of
+/// Kirchhoff's. `slenderness` is width / thickness, `perEdge` the number of elements
 /// along an edge, >= 4. Few thin elements are too stiff (locking): x / (1 + x) with
 ///     x = c (8 / perEdge)^p slenderness^q,
 /// at most 0.75 with quadratic elements of hinged tiles.

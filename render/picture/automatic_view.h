@@ -32,7 +32,7 @@ struct VisibleShare {
   double back = 0;
 };
 
-/// What a parallel view along a direction (unit, towards the eye) shows of tiles. Foreshortened
+/// The visible part of tiles in a parallel view along a direction (unit, towards the eye). Foreshortened
 /// areas count as they are seen. A depth buffer of 96 x 96 pixels decides what is hidden.
 VisibleShare visibleShare(const std::vector<model::Tile>& tiles, const Vector3& towardsEye);
 

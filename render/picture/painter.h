@@ -40,7 +40,7 @@ class Painter {
   /// takes longer to make than many small pictures to paint. What was painted before is not kept.
   void show(const std::vector<brick::Brick>& bricks, const Style& style);
 
-  /// What the items shows. storage: a frame that is needed no more, whose memory the picture gets.
+  /// Paints the items. storage: a frame that is not needed any more, whose memory is used again.
   /// Throws OutputError. One entry of `poses` for each brick. Throws Interrupted when the user ends
   /// the program.
   Frame paint(const PictureItems& items, const Camera& camera, Frame storage = {});

@@ -139,7 +139,7 @@ struct Appearance {
   double depthCue = 0;
   GroundLook ground = GroundLook::Auto;  ///< display of the ground
   CameraChoice camera;                   ///< position of the camera
-  FitScope fit = FitScope::Auto;         ///< what the camera keeps in view
+  FitScope fit = FitScope::Auto;         ///< part of the motion that stays in view
 };
 
 // ------------------------------------------------------------------------------------------------

@@ -198,7 +198,7 @@ struct Progress {
   bool isRemarkInSummary = false;  ///< the remark is one of RunSummary::warnings
 };
 
-/// What ends a stage of a run early, for example "SIGTERM"; absent: it continues.
+/// The cause that ends a stage of a run early, for example "SIGTERM"; absent: it continues.
 using Interruption = std::optional<std::string>;
 
 /// Called after each sample and each frame; may end the current stage. The run then counts as

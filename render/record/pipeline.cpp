@@ -5,7 +5,6 @@
 
 #include <sys/resource.h>
 
-#include "sim/base/interruption.h"
 #include "sim/trajectory/run_curves.h"
 
 namespace kirireel::record {
@@ -43,8 +42,8 @@ void TaskGroup::finish() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Writing and compressing samples takes time: on its own thread it costs the deployment nothing as
-// long as there is a core for it. Sixteen samples may wait; then the deployment waits.
+// A thread compresses and writes samples while the deployment continues. At most sixteen samples
+// wait; then the deployment waits.
 
 ThreadedTrajectoryWriter::ThreadedTrajectoryWriter(const std::filesystem::path& path,
                                                    const trajectory::Subject& subject)

@@ -1,9 +1,8 @@
 /// States as VTK files, for ParaView.
 ///
-/// Both formats are XML of VTK; ParaView opens the collection and plays the states by their times.
+/// Both formats are XML of VTK. ParaView opens the collection and plays the states in order of time.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,20 +15,18 @@ namespace kirireel::writers {
 /// vertices, a hexahedron for four, else a polyhedron. A concave brick has one wedge for
 /// each of its triangles. Lengths in `unit`, bitwise exact; arrays are compressed by zlib.
 /// Fields:
-/// - of cells: `tile` (its number), `joint_gap` (the largest at the tile), `turn` (the
-/// angle
-///   from the start, radians);
-/// - of points: `displacement` from the start and, with a target, `target_distance` (of
-/// the
-///   tile's vertex, the same at bottom and top);
+/// - of cells: `tile` (its number), `joint_gap` (the largest at the tile), `turn` (the angle from
+///   the start, radians);
+/// - of points: `displacement` from the start and, with a target, `target_distance` (of the tile's
+///   vertex, the same at bottom and top);
 /// - of the state: `TimeValue` (seconds) and the sample's measures.
 ///
 /// `start` holds the poses that displacements count from.
 std::string vtuText(const trajectory::Subject& subject, const Poses& start,
                     const trajectory::Sample& sample, const LengthUnit& unit = {});
 
-/// The text of a collection (.pvd) that plays files at times. Names are relative to the collection;
-/// times in seconds, rising.
+/// The text of a collection (.pvd) of files with their times. Names are relative to the collection;
+/// times are ascending, seconds.
 std::string pvdText(const std::vector<std::pair<double, std::string>>& files);
 
 }  // namespace kirireel::writers

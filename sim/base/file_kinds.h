@@ -1,4 +1,4 @@
-/// What a path names. A name that the system cannot look up (too long, in a folder that may not be
+/// The kind of file at a path. A name that the system cannot look up (too long, in a folder that may not be
 /// read) names nothing: opening it reports the system's reason.
 #pragma once
 

@@ -1,4 +1,4 @@
-/// Our values as Bullet's and back. Only for the files that include Bullet.
+/// Converts our types to Bullet's and back. Only for the files that include Bullet.
 #pragma once
 
 #include <LinearMath/btQuaternion.h>
@@ -11,22 +11,22 @@ namespace kirireel::contacts {
 // Debian ships Bullet in both precisions; mixed, it compiles and corrupts memory.
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built in double precision");
 
-/// A vector in Bullet's type; metres stay metres.
+/// Converts a vector; metres stay metres.
 inline btVector3 toBullet(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// A vector of Bullet's in ours.
+/// Converts a vector back.
 inline Vector3 fromBullet(const btVector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// A rotation in Bullet's type.
+/// Converts a rotation.
 inline btQuaternion toBullet(const Quaternion& q) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
-/// A rotation of Bullet's in ours.
+/// Converts a rotation back; the result is a unit quaternion.
 inline Quaternion fromBullet(const btQuaternion& q) {
   return Quaternion(q.w(), q.x(), q.y(), q.z()).normalized();
 }

@@ -1,5 +1,5 @@
 // Mobility of flat sheets in the plane and in space: the rank of the joints' Jacobian at the start.
-// A sheet whose rank is uncertain is not counted: a misfit of its tiles could explain it.
+// If tiles do not quite fit each other, the rank may be uncertain. Motions are then not counted.
 #include "sim/deploy/plane_motion.h"
 
 #include <algorithm>

@@ -19,7 +19,7 @@ namespace kirireel::engines {
 // Bullet's rigid-body world with point joints: the baseline solver. No Bullet header is needed to
 // use it.
 
-/// Which of Bullet's solvers holds joints and contacts.
+/// Bullet's solvers of joints and contacts.
 enum class BulletMethod {
   SequentialImpulse,  ///< projected Gauss-Seidel, Bullet's default
   Nncg,               ///< nonsmooth nonlinear conjugate gradients over the same sweeps

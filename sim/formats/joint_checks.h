@@ -18,7 +18,7 @@ struct JointRow {
   int line = 0;                  ///< line number, >= 1; 0 if the file has no lines
   std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, zero-based; face
   std::array<int, 5> columns{};  ///< column of each, >= 1; 0 for a face that is not written
-  model::JointKind kind = model::JointKind::Pivot;  ///< what it keeps
+  model::JointKind kind = model::JointKind::Pivot;  ///< constraint that it applies
   model::Neck neck;  ///< in the file's unit; unknown if the file has none
 };
 

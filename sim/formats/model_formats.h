@@ -14,7 +14,7 @@
 
 namespace kirireel::formats {
 
-/// What the path of a model may name, for help and messages.
+/// The kinds of paths that are models, for help and messages.
 inline constexpr const char* kModelForms =
     "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
     "pattern (.svg, .dxf)";

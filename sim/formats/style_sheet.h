@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 namespace kirireel::formats {
@@ -25,7 +24,7 @@ StyleValues declarations(std::string_view text);
 /// Assigns values with precedence over those in `values`, except over important ones.
 void overrideWith(StyleValues& values, const StyleValues& with);
 
-/// What selectors refer to.
+/// Properties of an element that selectors test.
 struct StyledElement {
   std::string tag;                   ///< local name, lower case
   std::string id;                    ///< empty: none

@@ -5,8 +5,6 @@
 /// defaults.
 #pragma once
 
-#include <array>
-
 #include "sim/generate/constrained_fit.h"
 #include "sim/generate/lattice.h"
 
@@ -43,8 +41,8 @@ TurningField irregularField(const Lattice& lattice, double irregularity, unsigne
 
 /// One corner in a sheet.
 struct LatticeCorner {
-  Cell cell;         ///< its tile
-  int corner = 0;    ///< 0-3: bottom left, bottom right, top right, top left
+  Cell cell;       ///< its tile
+  int corner = 0;  ///< 0-3: bottom left, bottom right, top right, top left
 };
 
 /// The nodes around the closed sheet (theta = 0), anticlockwise from the bottom left: columns along

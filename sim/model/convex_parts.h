@@ -17,8 +17,7 @@ namespace kirireel::model {
 // overlap depths, painting, element meshes.
 //
 // 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): an ear is a convex corner whose
-// triangle
-//    with its two neighbours contains no other corner. A simple polygon always has one. The ear
+//    triangle with its two neighbours contains no other corner. A simple polygon always has one. The ear
 //    with the largest minimum sine is cut off first, which avoids unnecessarily thin triangles. n
 //    corners give n - 2 triangles in O(n^3), n <= 300.
 // 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal is removed if both its ends stay convex. The

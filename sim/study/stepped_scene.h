@@ -213,7 +213,7 @@ struct HardTrial {
   std::vector<brick::Brick> bricks;  ///< empty: made by the scene's own brick rule
   int rate = 240;                    ///< steps per simulated second
   double seconds = 1;                ///< simulated
-  std::string errorMeaning;          ///< what `error` measures
+  std::string errorMeaning;          ///< definition of `error`
   std::function<double(const SteppedScene&, double time)> error;  ///< metres
 };
 

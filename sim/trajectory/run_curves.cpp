@@ -4,15 +4,11 @@
 #include "sim/trajectory/run_curves.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <numeric>
-#include <optional>
-#include <span>
-#include <string>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -28,7 +24,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What the curves of a sample are computed from.
+/// Data of a sample from which its curves follow.
 struct Figures {
   const Subject& subject;
   const Sample& sample;
