@@ -129,7 +129,7 @@ std::string overview(const CLI::App& command, const std::string& page,
 
 void setHelpLayout(CLI::App& program) {
   program.get_formatter()->column_width(kHelpColumn);
-  program.set_help_flag("-h,--help", "print this page; after a command, --help GROUP is one group");
+  program.set_help_flag("-h,--help", "print this page; COMMAND --help GROUP prints one group");
 }
 
 std::string takeHelpGroup(std::vector<std::string>& arguments) {

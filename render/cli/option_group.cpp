@@ -8,25 +8,18 @@
 // A second list of options would have to be kept consistent with CLI11's.
 #include "render/cli/option_group.h"
 
-#include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <regex>
 #include <sstream>
 #include <string_view>
-#include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
-#include "sim/base/geometry.h"
-#include "sim/scene/settings.h"
 
 namespace kirireel::cli {
 namespace {
@@ -406,34 +399,19 @@ picture::GridShape parseGrid(const scene::TypedValue& value) {
 std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
                               const std::string& requested) {
   std::vector<int> numbers;
-  const char* at = value.text.data();
-  const char* const end = at + value.text.size();
-  while (at != end) {
-    int number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    const bool isLast = next == end;
-    // A comma must be followed by a number, so "3," is refused.
-    if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
+  for (const std::string_view part : scene::split(value.text, ',')) {
+    const std::optional<long> number = scene::readWhole(part);
+    if (!number || !isBetween(*number, 0, std::numeric_limits<int>::max()))
       throw scene::valueError(value, requested);
-    }
-    numbers.push_back(number);
-    at = isLast ? end : next + 1;
+    numbers.push_back(static_cast<int>(*number));
   }
-  if (numbers.empty() || (count != 0 && numbers.size() != count))
-    throw scene::valueError(value, requested);
+  if (count != 0 && numbers.size() != count) throw scene::valueError(value, requested);
   return numbers;
 }
 
 std::vector<int> parseTiles(const scene::TypedValue& value) {
-  std::vector<int> tiles;
-  if (value.text == "all") return tiles;
-  for (const std::string_view part : scene::split(value.text, ',')) {
-    const std::optional<long> number = scene::readWhole(part);
-    if (!number || !isBetween(*number, 0, std::numeric_limits<int>::max()))
-      throw scene::valueError(value, "all, or numbers of tiles, as in 3,7,8");
-    tiles.push_back(static_cast<int>(*number));
-  }
-  return tiles;
+  if (value.text == "all") return {};
+  return parseIndices(value, 0, "all, or numbers of tiles, as in 3,7,8");
 }
 
 namespace {

@@ -1,7 +1,6 @@
 // Options that `record` and `render` share. Sizes are pixels; --width and --font-size are of the
 // printed page (mm, points of 1/72 inch), from which grid/ computes pixels at --dpi.
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -13,9 +12,7 @@
 #include "sim/base/geometry.h"
 
 namespace kirireel::cli {
-namespace {
 
-/// Splits at commas; a comma at the end adds no empty word.
 std::vector<std::string> parseWords(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream list(text);
@@ -23,16 +20,17 @@ std::vector<std::string> parseWords(const std::string& text) {
   return words;
 }
 
-/// Each format once.
-std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value) {
+std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
+                                            const scene::Choices<picture::PageFormat>& choices) {
   std::vector<picture::PageFormat> pages;
   for (const std::string& word : parseWords(value.text)) {
-    const auto format = scene::parseChoice<picture::PageFormat>(
-        {value.name, word}, {{"svg", picture::PageFormat::Svg}, {"pdf", picture::PageFormat::Pdf}});
+    const auto format = scene::parseChoice<picture::PageFormat>({value.name, word}, choices);
     if (std::ranges::find(pages, format) == pages.end()) pages.push_back(format);
   }
   return pages;
 }
+
+namespace {
 
 /// As in a scene file: "svg,pdf" in quotation marks.
 std::string pagesText(const std::vector<picture::PageFormat>& pages) {
@@ -116,8 +114,8 @@ void addGridOptions(OptionGroup& group, record::PictureSettings& settings) {
       .serializedAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
-             "captions below the grid's pictures, and below the video's frames if given: progress, "
-             "time, angle, error, gap; or none",
+             "captions of the grid's pictures, and if given of the video: progress, time, angle, "
+             "error, gap; or none",
              [&](const scene::TypedValue& typed) { settings.captions = parseCaption(typed); })
       .serializedAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
@@ -145,7 +143,10 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   group
       .value("--figure", "LIST", "none",
              "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
-             [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
+             [&](const scene::TypedValue& typed) {
+               settings.pages = parsePages(
+                   typed, {{"svg", picture::PageFormat::Svg}, {"pdf", picture::PageFormat::Pdf}});
+             })
       .serializedAs([&] { return pagesText(settings.pages); });
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group
@@ -281,11 +282,6 @@ picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   return widths;
 }
 
-std::string outlineWidthsText(const picture::OutlineWidths& widths) {
-  return scene::quotedText(scene::numberText(widths.slits) + "pt," +
-                           scene::numberText(widths.silhouettes) + "pt");
-}
-
 /// Options of a picture except its camera.
 void addDrawingOptions(CLI::App& command, picture::Appearance& appearance) {
   OptionGroup group(command, "Style", "style");
@@ -302,13 +298,17 @@ void addDrawingOptions(CLI::App& command, picture::Appearance& appearance) {
              "no background in PNG files and in videos with alpha");
   group.flag("--no-outlines", appearance.outlines, "no lines on the edges of tiles", false);
   group
-      .value("--outline-width", "PT[,PT]", "0.5pt,0.75pt",
-             "width of the lines between tiles, and of lines without a tile beyond, in print (a "
-             "frame is 160 mm wide); a number without pt is a factor",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.outlineWidths = parseOutlineWidths(typed);
-             })
-      .serializedAs([&appearance] { return outlineWidthsText(appearance.outlineWidths); });
+      .value(
+          "--outline-width", "PT[,PT]", "0.5pt,0.75pt",
+          "width in print of the lines between tiles, and of other lines; a number without pt is "
+          "a factor",
+          [&appearance](const scene::TypedValue& typed) {
+            appearance.outlineWidths = parseOutlineWidths(typed);
+          })
+      .serializedAs([&appearance] {
+        return scene::quotedText(scene::numberText(appearance.outlineWidths.slits) + "pt," +
+                                 scene::numberText(appearance.outlineWidths.silhouettes) + "pt");
+      });
   group.flag("--mark-joints", appearance.jointMarks, "a dot on each joint");
   group.flag("--target-lines", appearance.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");

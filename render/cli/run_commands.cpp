@@ -4,22 +4,18 @@
 
 #include <algorithm>
 #include <memory>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "render/cli/option_effect.h"
-#include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
-#include "render/export/export.h"
 #include "render/fea/outside_program.h"
 #include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
-#include "sim/base/file_kinds.h"
 
 namespace kirireel::cli {
 namespace {
@@ -106,18 +102,6 @@ int carryOut(const RenderOrder& order) {
 
 namespace {
 
-/// The words of a list. Empty words remain, and their readers reject them.
-std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
-  std::vector<std::string> words;
-  std::size_t begin = 0;
-  while (begin <= value.text.size()) {
-    const std::size_t end = std::min(value.text.find(',', begin), value.text.size());
-    words.push_back(value.text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return words;
-}
-
 void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
   // The first typed state replaces the default, later ones are appended. CLI11 calls `append` after
   // this function has returned, so the flag is shared.
@@ -135,7 +119,9 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
               [append](const scene::TypedValue& typed) {
                 // The text of an event may have commas.
                 if (typed.text.starts_with("event:")) return append(typed.text);
-                for (const std::string& name : splitAtCommas(typed)) append(name);
+                for (const std::string_view name : scene::split(typed.text, ',')) {
+                  append(std::string(name));
+                }
               })
       .serializedAs([&settings] {
         std::vector<std::string> names;
@@ -201,8 +187,8 @@ fea::DriveChoice parseDrive(const scene::TypedValue& typed) {
   if (typed.text == "all") return {fea::DriveChoice::All, {}};
   if (typed.text == "edge") return {fea::DriveChoice::Edge, {}};
   fea::DriveChoice drive{fea::DriveChoice::Some, {}};
-  for (const std::string& word : splitAtCommas(typed)) {
-    drive.tiles.push_back(scene::parseInteger({typed.name, word}, {0, 1e9}));
+  for (const std::string_view word : scene::split(typed.text, ',')) {
+    drive.tiles.push_back(scene::parseInteger({typed.name, std::string(word)}, {0, 1e9}));
   }
   return drive;
 }
@@ -234,8 +220,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGrou
       {{"m", fea::DeckUnit::Model}, {"mm-N", fea::DeckUnit::MillimetresNewtons}},
       "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
   group.value("--drive", "TILES", "",
-              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
-              "numbered as in the model's file, planar ones from 1",
+              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12)",
               [&decks](const scene::TypedValue& typed) { decks.drive = parseDrive(typed); });
   group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
   group.flag("--periodic",
@@ -259,8 +244,9 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
   group
       .value(formatOption, "LIST", "", help,
              [&settings, formats](const scene::TypedValue& typed) {
-               for (const std::string& word : splitAtCommas(typed)) {
-                 if (std::ranges::find(formats, word) == formats.end()) {
+               for (const std::string_view part : scene::split(typed.text, ',')) {
+                 const std::string word(part);
+                 if (!has(formats, word)) {
                    throw scene::valueError({typed.name, word}, scene::listWords(formats));
                  }
                  settings.formats.push_back(word);
@@ -279,10 +265,9 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       .serializedAs([&settings] {
         return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
       });
-  group.choice<std::optional<LengthUnit>>(
-      "--export-unit", settings.unit, unitChoices(),
-      "unit of obj, planar, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
-      "and dxf, else the model's. glb is in m, svg and step in mm");
+  group.choice<std::optional<LengthUnit>>("--export-unit", settings.unit, unitChoices(),
+                                          "unit of exported files except glb, svg and step; auto: "
+                                          "mm for stl and dxf, else the model's");
   addElementOptions(command, settings.elements);
   addDeckOptions(command, settings.decks, formatOption == "--format");
 }
@@ -347,31 +332,13 @@ int carryOut(const ExportOrder& order) {
 // curves: curves are measured from the samples or stored with them. Options of figures are in print
 // sizes (mm, points); see render/record/curves.h.
 
-namespace {
-
-/// "svg,png": each format once, in the order of first mention.
-std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
-  std::vector<picture::PageFormat> plots;
-  std::istringstream words(typed.text);
-  for (std::string word; std::getline(words, word, ',');) {
-    const auto format = scene::parseChoice<picture::PageFormat>(
-        {typed.name, word}, {{"png", picture::PageFormat::Png},
-                             {"svg", picture::PageFormat::Svg},
-                             {"pdf", picture::PageFormat::Pdf}});
-    if (std::ranges::find(plots, format) == plots.end()) plots.push_back(format);
-  }
-  return plots;
-}
-
-}  // namespace
-
 void addPlotOptions(OptionGroup& group, record::CurvesSettings& settings) {
   group.values("--curves", "LIST",
                "curves of the figures, separated by commas: target_error, opening_mean, radius, "
                "...; theta is the mean opening, load_curve the force of grips; all (default all)",
                [&settings](const scene::TypedValue& typed) {
-                 for (const std::string& name : splitAtCommas(typed)) {
-                   if (name != "all") settings.selected.push_back(name);
+                 for (const std::string_view name : scene::split(typed.text, ',')) {
+                   if (name != "all") settings.selected.emplace_back(name);
                  }
                });
   group.values(
@@ -404,9 +371,12 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
   addPlotOptions(figures, order.settings);
-  figures.value(
-      "--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
-      [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });
+  figures.value("--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
+                [&order](const scene::TypedValue& typed) {
+                  order.settings.plots = parsePages(typed, {{"png", picture::PageFormat::Png},
+                                                            {"svg", picture::PageFormat::Svg},
+                                                            {"pdf", picture::PageFormat::Pdf}});
+                });
   // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
   figures.printLength("--width", plot.width, "mm", {30, 1000}, "width of the figure in print");
@@ -464,22 +434,14 @@ int carryOut(const CurvesOrder& order) {
 // page: of one run, or of two side by side. `record --page` makes a page of the new run with the
 // settings of its pictures.
 
-namespace {
-
-/// 0 means all samples of the trajectory.
-int parseSamples(const scene::TypedValue& typed) {
-  return typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
-}
-
-}  // namespace
-
 void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
   OptionGroup group(command, "Page");
   group
       .value("--samples", "COUNT", "201",
              "number of states in the page, at equal steps of motion; all: those of trajectory.h5",
              [&settings](const scene::TypedValue& typed) {
-               settings.states.samples = parseSamples(typed);
+               settings.states.samples =
+                   typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
              })
       .excludeFromFingerprint();
   group.flag("--exact", settings.states.exact, "exact poses; else rounded to a fraction of a pixel")
@@ -490,9 +452,8 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              "be saved, such as deployment.mp4,final.obj",
              [&settings](const scene::TypedValue& typed) {
                // The page searches files next to the trajectory.
-               std::istringstream names(typed.text);
-               for (std::string name; std::getline(names, name, ',');) {
-                 settings.embedded.push_back(name);
+               for (std::string& name : parseWords(typed.text)) {
+                 settings.embedded.push_back(std::move(name));
                }
              })
       .excludeFromFingerprint();

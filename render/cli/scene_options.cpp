@@ -4,14 +4,12 @@
 #include "render/cli/scene_options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/cli/option_group.h"
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
 #include "sim/formats/read_model.h"
@@ -57,10 +55,11 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
   // Numbers stay as typed; completeScene() knows the base of the model's file.
   scene::SceneParts& parts = request.parts;
   group
-      .values("--target", "MODEL",
-              "target instead of the model's own: a file like target.txt, or another model whose "
-              "start is the target; may be repeated, each is reached before the next",
-              [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
+      .values(
+          "--target", "MODEL",
+          "a file like target.txt, or a model whose start is the target, instead of the model's "
+          "own; may be repeated, each is reached before the next",
+          [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
       .serializedAs([&parts] {
         std::vector<std::string> names;
         for (const auto& target : parts.targets)
@@ -69,20 +68,16 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
       });
   group
       .values("--pin", "TILES",
-              "tiles fixed to the world from the start, as in 3,0,7; tiles and vertices are "
-              "numbered as in "
-              "the model's file, planar ones from 1",
+              "tiles fixed to the world from the start, as in 3,0,7, with the numbers of the "
+              "model's file",
               [&parts](const scene::TypedValue& typed) {
                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
               })
       .serializedAs(
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
-  group.flag(
-      "--no-align", alignment.requested,
-      "keep targets at their positions in the files, instead of moving each onto the start (by "
-      "its pinned tiles, if any)",
-      false);
+  group.flag("--no-align", alignment.requested,
+             "keep the positions of targets, instead of moving each onto the start", false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
               [&parts](const scene::TypedValue& typed) {
@@ -100,15 +95,11 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
       .serializedAs([&parts] { return listsText(parts.links); });
 }
 
-std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
-                                  const SceneRequest& request) {
-  return request.file.empty() ? modelFolder / "scene.toml" : request.file;
-}
-
 scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
                                  const std::filesystem::path& modelFolder,
                                  const SceneRequest& request, scene::Scene& scene) {
-  const std::filesystem::path file = sceneFileOf(modelFolder, request);
+  const std::filesystem::path file =
+      request.file.empty() ? modelFolder / "scene.toml" : request.file;
   // A named file must exist; scene.toml in the model's folder is optional.
   if (request.file.empty() && !isPresent(file)) return {};
   // Settings were written to the options. Lists have no options and are used here.
@@ -292,14 +283,14 @@ void addDrawingOptions(OptionGroup& group, formats::ReadSettings& settings, bool
           return chosen.empty() ? "" : scene::quotedText(fmt::format("{}", fmt::join(chosen, ",")));
         });
   };
-  names("--cut", "found", "lines of a drawing to cut: colours, layers or ids, as in red,slits",
+  names("--cut", "automatic", "lines of a drawing to cut: colours, layers or ids, as in red,slits",
         settings.cut);
-  names("--ignore", "found", "lines of a drawing to ignore, named in the same way",
+  names("--ignore", "automatic", "lines of a drawing to ignore, named in the same way",
         settings.ignore);
   group
-      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "found",
-             "widest gap of a drawing that counts as a neck: cuts that stop short of the next line "
-             "by more end within a tile; necks keep their own widths",
+      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "automatic",
+             "largest distance by which cuts of a drawing may stop short of the next line; no neck "
+             "changes its width",
              [&settings](const scene::TypedValue& typed) {
                settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
              })
@@ -309,8 +300,7 @@ void addDrawingOptions(OptionGroup& group, formats::ReadSettings& settings, bool
   group
       .choice<bool>(
           "--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
-          "joints of a drawing: at the intersection of the cut with the line, or in the middle of "
-          "the neck")
+          "joints of a drawing: where the cut would meet the line, or in the middle of the neck")
       .serializedAs(
           [&settings] { return settings.areJointsInNecks ? scene::quotedText("middle") : ""; });
 }
@@ -325,21 +315,20 @@ scene::Choices<std::optional<LengthUnit>> unitChoices() {
 
 void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks) {
   group
-      .value(
-          "--joints-file", "FILE", "the model's own",
-          "list of joints to use instead of constraints.txt: a path, or a name in the same folder",
-          [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
+      .value("--joints-file", "FILE", "the model's own",
+             "list of joints instead of constraints.txt: a path, or a name in the same folder",
+             [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
       .serializedAs([&settings] {
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
       });
   group.choice<std::optional<LengthUnit>>(
       "--unit", settings.unit, unitChoices(),
-      "unit of all lengths in options, scene files and exported files, and of the model's lengths "
-      "unless its file declares a unit; auto: as the file declares, else m");
+      "unit of lengths in options, scene files and exported files, and of a model that declares "
+      "none; auto: the declared one, else m");
   group
       .value("--frame", "N", "all that are states of one sheet",
-             "frame of a FOLD file to read as the model, 0 for the file's own keys",
+             "frame of a FOLD file that is the model, 0 for the file's own keys",
              [&settings](const scene::TypedValue& typed) {
                settings.frame = static_cast<int>(scene::parseInteger(typed, scene::Range{0, 1e6}));
              })
@@ -347,7 +336,7 @@ void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool ha
           [&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
   group.number(
       "--fold", settings.fold, {1e-3, 1}, "FRACTION", "1",
-      "fold of M and V edges of a FOLD file that have no angle, as a fraction of 180 degrees");
+      "fold of M and V edges without an angle in a FOLD file, as a fraction of 180 degrees");
   group.flag("--join-coplanar", settings.joinCoplanar,
              "join faces of an OBJ or PLY mesh that share an edge and lie in one plane");
   group

@@ -16,10 +16,6 @@
 
 namespace CLI {
 class App;
-}
-
-namespace CLI {
-class App;
 class Option;
 }  // namespace CLI
 
@@ -41,13 +37,9 @@ void addSceneOptions(CLI::App& command, scene::Scene& scene);
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                             scene::StartAlignment& alignment);
 
-/// The requested scene file, else scene.toml in the model's folder; it need not exist.
-std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
-                                  const SceneRequest& request);
-
-/// Reads the requested scene file, or scene.toml in the model's folder if it exists, to the targets
-/// of the command's options, the scene's timeline, its obstacles and its grips. Returns it, or an
-/// empty one. `all`: see applySceneFile(). Call it after parsing. Throws InputError.
+/// Reads the requested scene file, or scene.toml in the model's folder if it exists, into the
+/// variables of the command's options, the scene's timeline, its obstacles and its grips. Returns
+/// it, or an empty one. `all`: see applySceneFile(). Call it after parsing. Throws InputError.
 scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
                                  const std::filesystem::path& modelFolder,
                                  const SceneRequest& request, scene::Scene& scene);
@@ -55,7 +47,7 @@ scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
 // ------------------------------------------------------------------------------------------------
 // scene.toml as options of a command: every long option is a key in the table of its group.
 
-/// Reads a scene file to the targets of a command's options: `brick_friction = 0.3` in
+/// Reads a scene file into the variables of a command's options: `brick_friction = 0.3` in
 /// [environment] is `--brick-friction 0.3`. Options of the command line have priority.
 /// `all` is a command with the keys of every scene file. Those that `command` lacks are checked but
 /// have no effect, so one file serves `record` and `simulate`. Returns the whole file. Call it
@@ -75,7 +67,7 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting);
 // ------------------------------------------------------------------------------------------------
 // Models on the command line.
 
-/// Adds --target. Empty if not given. The target must outlive the parsing.
+/// Adds --target, which sets `target`; empty if not given. It must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
 /// Adds --joints-file, --frame, --fold, --join-coplanar, --strict and options of drawings. They
@@ -112,6 +104,13 @@ void printWarnings(const std::vector<std::string>& warnings);
 
 // ------------------------------------------------------------------------------------------------
 // Options of all painting commands: style, camera, video.
+
+/// Splits at commas; a comma at the end adds no empty word.
+std::vector<std::string> parseWords(const std::string& text);
+
+/// "svg,png": each format once, in the order of first mention.
+std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
+                                            const scene::Choices<picture::PageFormat>& choices);
 
 /// Adds the options of a grid of pictures, without its files and its size in print. The settings
 /// must outlive the parsing, as for all functions below.

@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/base/error.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel::scene {
@@ -190,9 +189,8 @@ SettingGroup actuationSettings() {
                               {"expansion", Expansion},
                               {"boundary", Boundary},
                               {"none", None}},
-               "drive of the bricks; auto: target if there is one, else expansion; target: springs "
-               "to the target; expansion: away from the centre; boundary: springs from the hull to "
-               "a curve around it"),
+               "drive of the bricks; auto: target if there is one, else expansion from the centre; "
+               "boundary: springs from the hull to a curve around it"),
            number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::size>(
                "boundary_size", {1e-3, 1e3}, "RATIO", "width of that curve over the hull's")
                .with(pullsToCurve, "`actuation = boundary`"),
@@ -253,8 +251,8 @@ SettingGroup springSettings() {
 Setting hingeRest() {
   return specialNumber(
       "hinge_rest", "DEGREES", "a fold's in a FOLD file, else the angle at the start",
-      "rest angle of the springs: at a corner between the tiles' edges, 0 if they touch; at a fold "
-      "from flat, valleys above 0, and mountains of a FOLD file to the other side",
+      "rest angle of the springs: at a corner between the tiles' edges, at a fold from flat, with "
+      "valleys above 0",
       [](Scene& scene, const TypedValue& typed) {
         scene.hinges.rest = parseNumber(typed, {-360, 360}) * kDegree;
       },
@@ -264,6 +262,55 @@ Setting hingeRest() {
         return numberText(
             numberReadAs(*rest, *rest / kDegree, [](double degrees) { return degrees * kDegree; }));
       });
+}
+
+/// The parts of a value with commas. `requested` describes them in the error for fewer or more.
+class NumberList {
+ public:
+  NumberList(const TypedValue& value, std::size_t least, std::size_t most, const char* requested)
+      : name_(value.name), parts_(split(value.text, ',')) {
+    if (size() < least || size() > most) throw valueError(value, requested);
+  }
+
+  std::size_t size() const { return parts_.size(); }
+  double at(std::size_t k, const Range& range) const {
+    return parseNumber({name_, std::string(parts_[k])}, range);
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::string_view> parts_;
+};
+
+/// "2e9" or "2e9,0.3": material of the model's necks. "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": also
+/// their width and length.
+HingeNeck parseNeck(const TypedValue& value) {
+  const NumberList parts(value, 1, 4, "width, length and Young's modulus, for example 0.1,0.3,2e9");
+  // Up to two numbers are only the material.
+  const std::size_t material = parts.size() > 2 ? 2 : 0;
+  HingeNeck neck;
+  if (material > 0) {
+    neck.width = parts.at(0, {1e-9, 1e6});
+    neck.length = parts.at(1, {0, 1e6});
+  }
+  neck.youngs = parts.at(material, {1e-9, 1e15});
+  if (parts.size() > material + 1) neck.poisson = parts.at(material + 1, {0, 0.5, true});
+  return neck;
+}
+
+LigamentStiffness parseLigament(const TypedValue& value) {
+  const NumberList parts(
+      value, 3, 3, "stiffness of stretch and of shear in N/m, and a length, for example 120,1,0.1");
+  return {parts.at(0, {1e-9, 1e15}), parts.at(1, {1e-9, 1e15}), parts.at(2, {1e-9, 1e6})};
+}
+
+PanelMaterial parsePanels(const TypedValue& value) {
+  const NumberList parts(
+      value, 1, 3, "Young's modulus, Poisson's ratio and a length of folds, for example 2e9,0.3");
+  PanelMaterial panels{parts.at(0, {1e-9, 1e15})};
+  if (parts.size() > 1) panels.poisson = parts.at(1, {0, 0.5, true});
+  if (parts.size() > 2) panels.foldLength = parts.at(2, {0, 1e9});
+  return panels;
 }
 
 SettingGroup hingeSettings() {
@@ -277,11 +324,16 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        special(
            "hinge_neck", "[WIDTH,LENGTH,]E[,NU]", "",
-           "necks at all corners instead of a stiffness: two lengths (both absent: the "
-           "model's own necks), Young's modulus in Pa and Poisson's ratio (0.3), as thick as the "
-           "bricks",
+           "necks at all corners instead of a stiffness: two lengths (absent: the model's own "
+           "necks), Young's modulus in Pa and Poisson's ratio (0.3)",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.neck = parseNeck(typed); },
-           [](const Scene& scene) { return scene.hinges.neck ? neckText(*scene.hinges.neck) : ""; })
+           [](const Scene& scene) -> std::string {
+             const std::optional<HingeNeck>& neck = scene.hinges.neck;
+             if (!neck) return "";
+             const std::string size =
+                 neck->width > 0 ? fmt::format("{},{},", neck->width, neck->length) : "";
+             return quotedText(fmt::format("{}{},{}", size, neck->youngs, neck->poisson));
+           })
            .with(isDirect, kDirect),
        flag<&Scene::hinges, &HingeSettings::areLigaments>(
            "ligaments",
@@ -295,18 +347,22 @@ SettingGroup hingeSettings() {
              scene.hinges.ligament = parseLigament(typed);
            },
            [](const Scene& scene) {
-             return scene.hinges.ligament ? ligamentText(*scene.hinges.ligament) : "";
+             const std::optional<LigamentStiffness>& own = scene.hinges.ligament;
+             return own ? quotedText(fmt::format("{},{},{}", own->stretch, own->shear, own->length))
+                        : "";
            })
            .with(hasHingeSprings, "`hinge_stiffness` or `hinge_file`")
            .without(hasNoNecks, "`hinge_neck`"),
        special(
            "panels", "E[,NU[,LENGTH]]", "",
-           "elastic tiles: with [[grip]] they stretch and bend (bars and hinges), in motion they "
-           "bend if `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and "
-           "the length scale of folds, which gives their stiffness",
+           "elastic tiles: Young's modulus in Pa, Poisson's ratio (0.3), length scale of folds; "
+           "they stretch and bend with [[grip]], and bend in motion with `split_tiles`",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
-             return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
+             const std::optional<PanelMaterial>& own = scene.hinges.panels;
+             return own ? quotedText(
+                              fmt::format("{},{},{}", own->youngs, own->poisson, own->foldLength))
+                        : "";
            })
            .with(isDirect, kDirect)
            .needsSpace([](const Scene& scene) { return scene.hinges.panels.has_value(); },
@@ -317,8 +373,8 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        special(
            "hinge_file", "FILE", "",
-           "file with one hinge per line: tile, tile, stiffness, rest angle, damping; - or "
-           "nothing: as for all hinges; a path, or a name in the model's folder",
+           "file with one hinge per line: tile, tile, stiffness, rest angle, damping; - as for all "
+           "hinges",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.file = typed.text; },
            [](const Scene& scene) { return quotedText(scene.hinges.file.string()); })
            .with(isDirect, kDirect)}};
@@ -330,9 +386,8 @@ SettingGroup pathSettings() {
       "actuation",
       {choice<&Scene::path, &PathSettings::to>(
            "to", Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
-           "where the sheet goes: auto to the target, without one to full extension; closed "
-           "ignores the target and continues beyond full extension until the tiles meet again, "
-           "the second compact state of a sheet with one motion"),
+           "where the sheet goes; auto: to the target, else to full extension; closed: beyond full "
+           "extension until the tiles meet again"),
        choice<&Scene::path, &PathSettings::kind>(
            "path",
            Choices<PathKind>{{"auto", PathKind::Auto},
@@ -340,9 +395,8 @@ SettingGroup pathSettings() {
                              {"dynamic", PathKind::Dynamic},
                              {"straight", PathKind::Straight},
                              {"guided", PathKind::Guided}},
-           "continuation follows the mechanism (kinematic); dynamic moves masses by springs, first "
-           "straight, then guided (each tile along its own motion); auto: continuation if no "
-           "setting needs dynamics and it reaches the target"),
+           "continuation: kinematic; dynamic: springs move masses, straight or guided (each tile "
+           "along its own motion); auto: continuation if nothing needs dynamics"),
        number<&Scene::path, &PathSettings::playTime>("walk_time", {1e-6, 1e6}, "SECONDS",
                                                      "playback time of a kinematic path"),
        whole<&Scene::path, &PathSettings::loadSteps>(
@@ -410,7 +464,9 @@ SettingGroup environmentSettings() {
            [](Scene& scene, const TypedValue& typed) {
              scene.environment.gravity = parseGravity(typed);
            },
-           [](const Scene& scene) { return vectorText(scene.environment.gravity); })
+           [](const Scene& scene) {
+             return fmt::format("[{}]", fmt::join(scene.environment.gravity, ", "));
+           })
            .needsDynamics("there is gravity"),
        groundSwitch().needsDynamics("there is ground or an obstacle"), groundFriction(),
        choice<&Scene::environment, &Environment::contacts>(
@@ -639,53 +695,6 @@ Vector3 parseGravity(const TypedValue& value) {
   throw valueError(value, "one number (along z) or three as X,Y,Z, in m/s^2, as in 0,0,-9.81");
 }
 
-HingeNeck parseNeck(const TypedValue& value) {
-  const std::vector<std::string_view> parts = split(value.text, ',');
-  if (parts.empty() || parts.size() > 4) {
-    throw valueError(value, "width, length and Young's modulus, for example 0.1,0.3,2e9");
-  }
-  const auto part = [&](std::size_t k, const Range& range) {
-    return parseNumber({value.name, std::string(parts[k])}, range);
-  };
-  // Up to two numbers are only the material.
-  const std::size_t material = parts.size() > 2 ? 2 : 0;
-  HingeNeck neck;
-  if (material > 0) {
-    neck.width = part(0, {1e-9, 1e6});
-    neck.length = part(1, {0, 1e6});
-  }
-  neck.youngs = part(material, {1e-9, 1e15});
-  if (parts.size() > material + 1) neck.poisson = part(material + 1, {0, 0.5, true});
-  return neck;
-}
-
-LigamentStiffness parseLigament(const TypedValue& value) {
-  const std::vector<std::string_view> parts = split(value.text, ',');
-  if (parts.size() != 3) {
-    throw valueError(
-        value, "stiffness of stretch and of shear in N/m, and a length, for example 120,1,0.1");
-  }
-  const auto part = [&](std::size_t k, const Range& range) {
-    return parseNumber({value.name, std::string(parts[k])}, range);
-  };
-  return {part(0, {1e-9, 1e15}), part(1, {1e-9, 1e15}), part(2, {1e-9, 1e6})};
-}
-
-PanelMaterial parsePanels(const TypedValue& value) {
-  const std::vector<std::string_view> parts = split(value.text, ',');
-  if (parts.empty() || parts.size() > 3) {
-    throw valueError(value,
-                     "Young's modulus, Poisson's ratio and a length of folds, for example 2e9,0.3");
-  }
-  const auto part = [&](std::size_t k, const Range& range) {
-    return parseNumber({value.name, std::string(parts[k])}, range);
-  };
-  PanelMaterial panels{part(0, {1e-9, 1e15})};
-  if (parts.size() > 1) panels.poisson = part(1, {0, 0.5, true});
-  if (parts.size() > 2) panels.foldLength = part(2, {0, 1e9});
-  return panels;
-}
-
 InputError valueError(const TypedValue& value, const std::string& requested) {
   return InputError(fmt::format("error: {}: '{}' is not allowed; give {}", value.name,
                                 shown(value.text), requested));
@@ -721,26 +730,6 @@ double numberReadAs(double requested, double guess, const std::function<double(d
     if (read(above) == requested) return above;
   }
   return guess;
-}
-
-std::string vectorText(const Vector3& vector) {
-  return fmt::format("[{}, {}, {}]", vector.x(), vector.y(), vector.z());
-}
-
-std::string neckText(const HingeNeck& neck) {
-  const auto& [width, length, youngs, poisson] = neck;
-  if (width == 0) return quotedText(fmt::format("{},{}", youngs, poisson));
-  return quotedText(fmt::format("{},{},{},{}", width, length, youngs, poisson));
-}
-
-std::string ligamentText(const LigamentStiffness& ligament) {
-  const auto& [stretch, shear, length] = ligament;
-  return quotedText(fmt::format("{},{},{}", stretch, shear, length));
-}
-
-std::string panelsText(const PanelMaterial& panels) {
-  const auto& [youngs, poisson, foldLength] = panels;
-  return quotedText(fmt::format("{},{},{}", youngs, poisson, foldLength));
 }
 
 std::string listWords(const std::vector<std::string>& words) {

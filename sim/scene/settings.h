@@ -55,18 +55,6 @@ long parseInteger(const TypedValue& value, Range range);
 /// "-9.81" (along z, as in PyKirigami) or "0,0,-9.81".
 Vector3 parseGravity(const TypedValue& value);
 
-/// "2e9" or "2e9,0.3": Young's modulus, > 0, and Poisson's ratio of the model's necks.
-/// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length and Young's modulus, each > 0, and
-/// Poisson's ratio.
-HingeNeck parseNeck(const TypedValue& value);
-
-/// "120,1,0.1": stiffness of stretch and of shear, and length, each > 0.
-LigamentStiffness parseLigament(const TypedValue& value);
-
-/// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, > 0, Poisson's ratio and the length
-/// scale of folds, >= 0.
-PanelMaterial parsePanels(const TypedValue& value);
-
 /// The error for an invalid value: "NAME: 'TEXT' is not allowed; give ALLOWED".
 InputError valueError(const TypedValue& value, const std::string& requested);
 
@@ -88,15 +76,6 @@ std::string quotedList(const std::vector<std::string>& values);
 /// The shortest number near `guess` that `read` converts to `requested`: the inverse of a unit
 /// conversion.
 double numberReadAs(double requested, double guess, const std::function<double(double)>& read);
-
-/// "[0, 0, -9.81]".
-std::string vectorText(const Vector3& vector);
-/// A neck as parseNeck() reads it.
-std::string neckText(const HingeNeck& neck);
-/// Ligaments as parseLigament() reads them.
-std::string ligamentText(const LigamentStiffness& ligament);
-/// A material as parsePanels() reads it.
-std::string panelsText(const PanelMaterial& panels);
 
 /// "all, unjoined or none".
 std::string listWords(const std::vector<std::string>& words);

@@ -1,4 +1,6 @@
 // Published models, if they are next to the repository. Skipped otherwise.
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -82,12 +84,28 @@ INSTANTIATE_TEST_SUITE_P(Command, PublishedPairs,
 
 const ProgramSetting kAmongSources{.folder = KIRIREEL_SOURCE_DIR};
 
-/// Else run scripts/options.
+/// Else run scripts/options. Options that equal those of record are listed once.
 TEST(OptionsPage, HasWhatTheHelpPrints) {
   const std::string page = readText(KIRIREEL_SOURCE_DIR "/docs/options.md");
-  for (const char* command : {"record", "render", "export", "curves", "inspect", "convert"}) {
-    const std::string help = runKirireel({command, "--help", "all"}).out;
-    EXPECT_NE(page.find(help + "```\n"), std::string::npos) << command;
+  EXPECT_NE(page.find(runKirireel({"record", "--help", "all"}).out + "```\n"), std::string::npos);
+  for (const std::string command :
+       {"render", "export", "curves", "figure", "page", "inspect", "convert", "sweep", "study"}) {
+    const std::size_t first = page.find("\n## " + command + "\n");
+    ASSERT_NE(first, std::string::npos);
+    const std::string section = page.substr(first, page.find("\n## ", first + 1) - first);
+    std::istringstream lines(runKirireel({command, "--help", "all"}).out);
+    std::string entry;  // an option with its help, or a line that is none
+    for (std::string line; std::getline(lines, line);) {
+      const bool continues = line.starts_with("      ") && entry.starts_with("  -");
+      if (!continues) {
+        const bool isOption = entry.starts_with("  -");
+        const std::string heading = entry.substr(0, entry.rfind(':'));
+        EXPECT_NE((isOption ? page : section).find(isOption ? entry : heading), std::string::npos)
+            << command << ": " << entry;
+        entry.clear();
+      }
+      entry += line + '\n';
+    }
   }
 }
 
