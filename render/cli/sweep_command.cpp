@@ -27,7 +27,6 @@
 
 #include "render/cli/model_commands.h"
 #include "render/cli/option_group.h"
-#include "render/cli/record_command.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
 #include "render/output/output_folder.h"
@@ -559,16 +558,11 @@ void requireFamily(const sweep::Sweep& sweep) {
                                  sweep.family, suggestion(sweep.family, names)));
 }
 
-/// Values of these keys are paths; readSweepFile() made them relative to the sweep file.
-bool isPathKey(const std::string& key) {
-  return key == "model" || key == "target" || key == "scene";
-}
-
 /// Checks one value.
 void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting) {
   // Each value has its own order, so it cannot hide an error of another value.
   RunOrders(sweep).apply(setting);
-  if (!isPathKey(setting.key) || isPresent(findModel(setting.value.text))) return;
+  if (!sweep::isFileKey(setting.key) || isPresent(findModel(setting.value.text))) return;
   throw inputErrorAt(
       setting.value.where,
       fmt::format(

@@ -20,13 +20,11 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <random>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
 #include "sim/scene/toml_file.h"
 
@@ -185,10 +183,6 @@ std::size_t readCount(const scene::TomlValue& value, double least, double most) 
   const std::string requested = fmt::format("a whole number from {:g} to {:g}", least, most);
   if (!value.whole()) scene::refuseValue(value, requested);
   return static_cast<std::size_t>(scene::requireNumber(value, least, most, requested));
-}
-
-bool isFileKey(const std::string& key) {
-  return key == "model" || key == "target" || key == "scene";
 }
 
 /// Names of files are relative to the sweep file. Other names without a folder are kept: they may

@@ -103,6 +103,11 @@ struct SweepSetting {
   SweepValue value;  ///< as it was written
 };
 
+/// Whether the values of a key are paths. Those of a sweep file are relative to it.
+inline bool isFileKey(const std::string& key) {
+  return key == "model" || key == "target" || key == "scene";
+}
+
 /// The content of a sweep file. Its keys are not yet checked.
 struct Sweep {
   std::filesystem::path file;          ///< the sweep file itself
