@@ -16,7 +16,6 @@
 #include "render/cli/record_command.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include <CLI/CLI.hpp>
@@ -26,13 +25,11 @@
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/run_commands.h"
-#include "render/cli/scene_options.h"
 #include "render/output/output_folder.h"
 #include "render/page/page.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
-#include "sim/base/files.h"
 #include "sim/formats/model_formats.h"
 #include "sim/formats/read_model.h"
 
@@ -384,16 +381,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether an option's values are file names.
-bool namesFiles(const std::string& key) {
-  return key == "target" || key == "joints_file" || key == "hinge_file";
-}
-
-/// Names of files as empty names, because the hashes identify the files.
-std::string withoutNames(const CLI::Option& option) {
-  return fmt::format("{} files", option.count());
-}
-
 /// The tables of a scene file, in the order of their names. Options that a scene file cannot set
 /// are under "".
 std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFileNames) {
@@ -404,7 +391,9 @@ std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFi
     // An empty text: the option is not in the fingerprint.
     std::string value = key.empty() ? "" : serializedValue(*option);
     if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
-    if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
+    // Hashes identify files, so their names are left out.
+    const bool namesFiles = key == "target" || key == "joints_file" || key == "hinge_file";
+    if (namesFiles && !withFileNames) value = fmt::format("{} files", option->count());
     tables[settingTable(*option)] += fmt::format("{} = {}\n", key, value);
   }
   std::string text;

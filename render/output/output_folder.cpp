@@ -23,8 +23,6 @@
 #include <unistd.h>
 
 #include "sim/base/error.h"
-#include "sim/base/file_kinds.h"
-#include "sim/base/files.h"
 
 namespace kirireel::output {
 namespace {
@@ -356,10 +354,6 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
   if (record == std::string(kSummary)) removeStale(folder, left, files);
   moveFile(stage / record, folder / record);
 }
-
-}  // namespace
-
-namespace {
 
 /// The folders of a path that do not exist, the innermost first.
 std::vector<fs::path> missingFolders(fs::path folder) {

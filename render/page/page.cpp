@@ -17,8 +17,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,12 +24,10 @@
 #include "render/output/output_folder.h"
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
-#include "render/picture/state_painter.h"
 #include "render/record/pace.h"
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
-#include "sim/base/files.h"
 #include "sim/base/words.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
@@ -749,12 +745,6 @@ Json packedAs(const char* type, std::span<const Number> entries) {
       {"type", type}, {"count", entries.size()}, {"data", base64(std::as_bytes(std::span(small)))}};
 }
 
-/// q and -q are the same rotation. Returns the one nearer to that of the previous sample, by the
-/// sign of the dot product.
-Quaternion following(const Quaternion& rotation, const Quaternion& before) {
-  return rotation.dot(before) < 0 ? Quaternion(-rotation.coeffs()) : rotation;
-}
-
 /// Differences wrap around as 32-bit numbers do, here and in the page.
 std::int32_t zigzag(std::int64_t difference) {
   const auto wrapped = static_cast<std::int32_t>(static_cast<std::uint32_t>(difference));
@@ -791,7 +781,10 @@ void PosePacker::add(const Poses& poses) {
   // The first sample has itself as predecessor.
   if (before_.empty()) before_ = poses;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    before_[i] = {poses[i].position, following(poses[i].rotation, before_[i].rotation)};
+    // q and -q are the same rotation; the nearer one to the previous sample is stored.
+    before_[i] = {poses[i].position, poses[i].rotation.dot(before_[i].rotation) < 0
+                                         ? Quaternion(-poses[i].rotation.coeffs())
+                                         : poses[i].rotation};
   }
   const PoseSteps steps = steps_.value_or(PoseSteps{});
   std::vector<double> entries;

@@ -19,7 +19,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/picture/label.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
@@ -386,11 +385,6 @@ std::string twoDigits(double value) {
   return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
 }
 
-/// Per cent with at most one decimal: "12.5%", "25%".
-std::string progressText(double progress) {
-  return fmt::format("{}%", std::round(1000 * progress) / 10);
-}
-
 }  // namespace
 
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
@@ -398,7 +392,7 @@ std::string captionText(const CaptionParts& parts, const CaptionValues& values) 
     return fmt::format("{} {}", twoDigits(metres / values.unit.metres), unitSymbol(values.unit));
   };
   std::vector<std::string> texts;
-  if (parts.progress) texts.push_back(progressText(values.progress));
+  if (parts.progress) texts.push_back(fmt::format("{}%", std::round(1000 * values.progress) / 10));
   if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
   if (parts.angle) texts.push_back(fmt::format("turned {:.1f}°", values.angle / kDegree));
   if (parts.error && values.error) texts.push_back("error " + lengthText(*values.error));

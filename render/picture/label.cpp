@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <new>
 #include <sstream>
@@ -123,10 +122,6 @@ bool hasFamily(FcPattern* font, const FcChar8* family) {
   return false;
 }
 
-}  // namespace
-
-namespace {
-
 /// A request for scalable fonts of a family and a weight, before fontconfig's substitutions.
 OwnedPattern requestFor(const std::string& family, Weight weight) {
   OwnedPattern request(FcPatternCreate());
@@ -191,11 +186,6 @@ bool hasProperty(FcPattern* font, const char* property, bool absent) {
   return value == FcTrue;
 }
 
-bool isUsable(FcPattern* font) {
-  return hasProperty(font, FC_OUTLINE, true) && !hasProperty(font, FC_COLOR, false) &&
-         !hasProperty(font, FC_VARIABLE, false);
-}
-
 /// The language of the script; Chinese characters have other forms in Japanese and Korean.
 const char* languageOf(const std::u32string& letters) {
   for (const char32_t letter : letters) {
@@ -227,7 +217,9 @@ std::vector<FontFile> findFallback(const std::string& family, Weight weight,
   for (int k = 0; k < fonts->nfont; ++k) {
     FcPattern* font = fonts->fonts[k];
     FcCharSet* has = nullptr;
-    if (!isUsable(font) || FcPatternGetCharSet(font, FC_CHARSET, 0, &has) != FcResultMatch) {
+    if (!(hasProperty(font, FC_OUTLINE, true) && !hasProperty(font, FC_COLOR, false) &&
+          !hasProperty(font, FC_VARIABLE, false)) ||
+        FcPatternGetCharSet(font, FC_CHARSET, 0, &has) != FcResultMatch) {
       continue;
     }
     FontFile file{textOf(font, FC_FILE)};

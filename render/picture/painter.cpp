@@ -36,7 +36,6 @@
 
 #include "render/picture/gl_context.h"
 #include "render/picture/opengl.h"
-#include "render/picture/picture_geometry.h"
 #include "render/picture/shape_raster.h"
 #include "render/picture/span_raster.h"
 #include "sim/base/interruption.h"
@@ -617,13 +616,13 @@ void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame&
   const int rowSamples = columns * kSamplesAcross;
   // OpenGL's rows start at the lower border.
   const int lowest = (part.max().y() - box.max().y()) * samplesDown;
-  const PixelBox wanted(Eigen::Vector2i(left, lowest),
-                        Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown));
+  const PixelBox requested(Eigen::Vector2i(left, lowest),
+                           Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown));
   if (isFlat) {
-    spans.read(wanted, bytes(subject.style.background), strip);
+    spans.read(requested, bytes(subject.style.background), strip);
   } else {
     strip.resize(std::size_t(rowSamples) * rows * samplesDown);
-    samples->read(wanted, rowSamples, strip.front().data());
+    samples->read(requested, rowSamples, strip.front().data());
   }
   for (int row = 0; row < rows; ++row) {
     const std::size_t first = std::size_t(rowSamples) * (rows - 1 - row) * samplesDown;

@@ -3,8 +3,8 @@
 //
 //     x = (k + (place of the row + 1/2) / 16) / 4,    y = (row + 1/2) / 16.
 //
-// The places were found by a search over permutations for the least error of an endless line: its
-// width is that of the polygon to 1/16 pixel in every direction (1/8 with places in a lattice).
+// The places were found by a search over permutations for the smallest error of an infinite line:
+// its width is that of the polygon to 1/16 pixel in every direction (1/8 with places in a lattice).
 //
 // A bit is set at most once, so polygons of one shape may overlap. Strips of a few rows of pixels
 // are drawn one after the other, since their bits fit into the processor's cache.
@@ -22,7 +22,7 @@
 namespace kirireel::picture {
 namespace {
 
-constexpr int kDown = 16;
+constexpr int kDown = 16;  // rows of samples per pixel
 constexpr int kAcross = 4;
 constexpr std::uint64_t kWholeRow = 0xf;
 
@@ -37,7 +37,7 @@ constexpr std::array<double, kDown> kShifts = [] {
   return shifts;
 }();
 
-/// The least whole number >= value, in [0, high].
+/// The smallest integer >= value, in [0, high].
 int ceilWithin(double value, int high) {
   if (!(value > 0)) return 0;
   if (value >= high) return high;

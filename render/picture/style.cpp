@@ -283,7 +283,7 @@ Colour outlineOn(Colour edge, std::span<const Colour> bricks) {
 }
 
 Colour readableHue(Colour colour, Colour background) {
-  constexpr double kRounding = 1.01;  // of bytes, in contrast
+  constexpr double kRounding = 1.01;  // rounding to bytes changes contrasts by less
   if (contrastOf(colour, background) >= kTextContrast) return colour;
   const double light = luminance(background) + 0.05;
   const double dark = light / (kRounding * kTextContrast) - 0.05;

@@ -12,7 +12,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <sstream>
 
@@ -20,7 +19,6 @@
 #include <fmt/ranges.h>
 
 #include "render/output/output_folder.h"
-#include "render/picture/canvas.h"
 #include "render/picture/label.h"
 #include "render/record/load_curve_file.h"
 #include "render/record/pace.h"
@@ -52,11 +50,6 @@ const char* fileOf(picture::PageFormat format) {
       break;
   }
   return "curves.png";
-}
-
-/// All fields are numbers and need no quotation marks.
-std::string fieldText(double value) {
-  return std::isnan(value) ? "" : fmt::format("{}", value);
 }
 
 /// The curves of all groups, in order.
@@ -222,7 +215,8 @@ std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<d
   table += '\n';
   for (std::size_t k = 0; k < curves.times.size(); ++k) {
     table += fmt::format("{},{}", curves.times[k], progress[k]);
-    for (const trajectory::Curve* curve : columns) table += "," + fieldText(curve->values[k]);
+    for (const trajectory::Curve* curve : columns)
+      table += "," + (std::isnan(curve->values[k]) ? "" : fmt::format("{}", curve->values[k]));
     table += '\n';
   }
   return table;

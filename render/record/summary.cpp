@@ -51,10 +51,6 @@ Json onlyIf(bool exists, double figure) {
   return exists ? Json(figure) : Json(nullptr);
 }
 
-Json flagJson(std::optional<bool> flag) {
-  return flag ? Json(*flag) : Json(nullptr);
-}
-
 /// Size is the diagonal of the start, tile_size the mean edge.
 Json modelJson(const model::Model& model) {
   return {{"name", model.name},
@@ -369,7 +365,7 @@ Json versionsJson(const std::string& graphics) {
 /// Findings of a run about its scene.
 Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
   const std::optional<double>& leftOut = summary.leftOutFrom;
-  return {{"at_target", flagJson(summary.atTarget)},
+  return {{"at_target", summary.atTarget ? Json(*summary.atTarget) : Json(nullptr)},
           {"shortfall", summary.shortfall.empty() ? Json(nullptr) : Json(summary.shortfall)},
           {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
           {"warnings", summary.warnings},

@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <set>
 
 #include <fcntl.h>
@@ -30,7 +29,6 @@
 
 #include "render/output/output_folder.h"
 #include "render/picture/state_painter.h"
-#include "render/record/summary.h"
 #include "render/sweep/sweep_plan.h"
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
@@ -333,16 +331,12 @@ std::string quoted(const std::string& cell) {
   return text + "\"";
 }
 
-/// NaN for an empty cell; absent for a text.
-std::optional<double> numberInCell(const std::string& cell) {
-  return cell.empty() ? std::numeric_limits<double>::quiet_NaN() : numberIn(cell);
-}
-
 void writeColumn(const TableColumn& column, trajectory::ArrayWriter& writer) {
   std::vector<double> numbers;
   bool isText = true;
   for (const std::string& cell : column.cells) {
-    const std::optional<double> number = numberInCell(cell);
+    const std::optional<double> number =
+        cell.empty() ? std::numeric_limits<double>::quiet_NaN() : numberIn(cell);
     // A single text makes the whole column texts.
     if (!number) {
       writer.write(column.name, column.cells);

@@ -173,10 +173,6 @@ std::string describeEnd(int status) {
   return fmt::format("ended with exit code {}", WEXITSTATUS(status));
 }
 
-bool wasKilled(int status) {
-  return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
-}
-
 /// All workers, each with one job.
 class Pool {
  public:
@@ -247,7 +243,7 @@ class Pool {
     const std::uint64_t job = workers_[i]->job();
     const int status = workers_[i]->waitForEnd();
     // insert() returns whether the job is tried again for the first time.
-    if (wasKilled(status) && retried_.insert(job).second) {
+    if ((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) && retried_.insert(job).second) {
       retries_.push_back(job);
       return removeWorker(i);
     }

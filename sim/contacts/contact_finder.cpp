@@ -23,12 +23,10 @@
 #include <limits>
 #include <map>
 #include <unordered_map>
-#include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
 #include "sim/base/interruption.h"
-#include "sim/brick/contact.h"
 #include "sim/contacts/bullet_values.h"
 
 namespace kirireel::contacts {
@@ -38,10 +36,6 @@ using Key = std::uint64_t;
 
 Key pairKey(int pieceA, int pieceB) {
   return static_cast<Key>(pieceA) << 32 | static_cast<Key>(pieceB);
-}
-
-std::pair<int, int> piecesOf(Key key) {
-  return {static_cast<int>(key >> 32), static_cast<int>(key & 0xffffffffU)};
 }
 
 std::vector<brick::Brick> shapesOf(const std::vector<brick::BrickPiece>& pieces) {
@@ -289,7 +283,8 @@ void ContactFinder::Internals::listNearPairs() {
 
 void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
-  for (const auto& [key, pair] : pairs) known.push_back(piecesOf(key));
+  for (const auto& [key, pair] : pairs)
+    known.push_back({static_cast<int>(key >> 32), static_cast<int>(key & 0xffffffffU)});
   tape.transfer(near, known);
   // In playback, pairOf() makes the pair again, and the tape restores its state.
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);

@@ -10,10 +10,7 @@
 #include <cmath>
 #include <deque>
 #include <iterator>
-#include <limits>
 #include <map>
-#include <numbers>
-#include <numeric>
 #include <optional>
 #include <set>
 
@@ -963,10 +960,6 @@ class CutPatternReader {
   int repeated_ = 0;               // lines of a group that are there twice, dropped
   double joinedApart_ = 0;         // distance of parallel lines that became one, metres
 };
-
-}  // namespace
-
-namespace {
 
 /// Scales a drawing without a length unit: one of its units becomes this long.
 void rescale(Drawing& drawing, const LengthUnit& unit) {

@@ -28,10 +28,6 @@ double height(const model::SheetFrame& frame, const std::vector<model::Tile>& ti
   return frame.toFrame(tiles.front().vertices.front()).z();
 }
 
-bool isVertical(const Vector3& vector) {
-  return vector.x() == 0 && vector.y() == 0;
-}
-
 bool isInPlane(const model::SheetFrame& frame, const Vector3& vector) {
   return std::abs(frame.normal.dot(vector)) <= kRounding * vector.norm();
 }
@@ -81,7 +77,7 @@ std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, 
     if (ground) return "the sheet does not lie on the ground";
     return gravity.isZero(0) || isAlong ? "" : "there is gravity and the sheet is not horizontal";
   }
-  if (!isVertical(gravity) && !isAlong) return "gravity is not vertical";
+  if (!(gravity.x() == 0 && gravity.y() == 0) && !isAlong) return "gravity is not vertical";
   // Gravity towards the ground is balanced by a normal force. Otherwise the sheet rises or falls.
   if (gravity.z() > 0 || (gravity.z() < 0 && !ground)) return "gravity pulls out of the plane";
   const double level = frame.origin.z();

@@ -8,7 +8,6 @@
 #include "sim/scene/scene_parts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -197,10 +196,6 @@ void align(Scene& scene, const std::vector<int>& held) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// If the scene uses the model's own necks, every joint must have one.
 void requireNecks(const Scene& scene) {
   if (!scene.hinges.neck || scene.hinges.neck->width > 0) return;
@@ -215,10 +210,6 @@ void requireNecks(const Scene& scene) {
       "tiles {} and {}. Give width, length and Young's modulus, for example 0.1,0.3,2e9",
       first + without->a.tile, first + without->b.tile));
 }
-
-}  // namespace
-
-namespace {
 
 /// The middle of tiles that are far from the origin, where doubles lose precision; 0 for other
 /// tiles. Metres.

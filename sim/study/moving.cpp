@@ -68,10 +68,6 @@ const SheetPath& movingReference(int side) {
                              : made.emplace(side, limitOfFixedSteps(side)).first->second;
 }
 
-double errorInTime(const MovingRun& run, int side) {
-  return std::isnan(run.gap) ? run.gap : pathError(run.states, movingReference(side));
-}
-
 // One row of the table.
 std::vector<Row> measureMoving(const SheetMethod& job) {
   const MovingRun run = minTimed([&] { return runMoving(job); }, kMaxTimes, kTimedSeconds);
@@ -79,7 +75,7 @@ std::vector<Row> measureMoving(const SheetMethod& job) {
   return {{method.engine.name, job.planar ? "plane" : "space", cell(job.side * job.side),
            cell(method.rate), cell(method.substeps), cell(method.iterations),
            cell(method.tolerance), cell(1e3 * run.cpuSeconds / kSeconds), cell(run.gap),
-           cell(errorInTime(run, job.side))}};
+           cell(std::isnan(run.gap) ? run.gap : pathError(run.states, movingReference(job.side)))}};
 }
 
 // Ours with fixed steps from 1/30 s down, and with steps of up to 1/30 s to a tolerance in tiles.

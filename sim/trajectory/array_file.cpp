@@ -20,22 +20,18 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
 #include "sim/base/error.h"
 #include "sim/base/file_kinds.h"
-#include "sim/base/files.h"
 
 #ifndef H5_HAVE_THREADSAFE
 #error "this HDF5 library is not thread-safe, but trajectories and checkpoints use separate threads"
@@ -145,11 +141,6 @@ bool selectRows(hid_t space, std::size_t first, std::size_t rows, const Shape& r
 /// HDF5's own checksums need chunks: 3.7 ms for 4 MB instead of 1.8.
 double checksum(std::span<const double> entries) {
   return checksumOf(std::as_bytes(entries));
-}
-
-/// For example "the array model/vertices" or "the file itself".
-std::string shownObject(const std::string& name) {
-  return name == "/" ? "the file itself" : name;
 }
 
 }  // namespace
@@ -465,7 +456,7 @@ struct ArrayReader::Internals {
     if (!isOurs || !attribute.valid() || !isRequested(type) ||
         H5Sget_simple_extent_npoints(space.id()) != 1) {
       refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
-                         shownObject(object)));
+                         object == "/" ? "the file itself" : object));
     }
     return attribute;
   }

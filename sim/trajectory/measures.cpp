@@ -5,9 +5,7 @@
 // axes.
 #include "sim/trajectory/measures.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -235,19 +233,15 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   return box;
 }
 
-/// The smallest distance along each axis, in either direction, that separates two boxes. Negative
-/// if they are separated already. If one box contains the other's interval, the distance exceeds
-/// their common part.
-Vector3 overlapsOf(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
-  return (a.max() - b.min()).cwiseMin(b.max() - a.min());
-}
-
 /// Whether two sets of pieces, each of one brick, may overlap deeper than `known` (>= 0). False is
 /// certain: the axes of the boxes are axes too, and the smallest overlap of the boxes bounds the
 /// depth from above.
 bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
                   const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
-  const Vector3 overlaps = overlapsOf(boxA, boxB);
+  // The smallest distance along each axis, in either direction, that separates two boxes. Negative
+  // if they are separated already. If one box contains the other's interval, the distance exceeds
+  // their common part.
+  const Vector3 overlaps = (boxA.max() - boxB.min()).cwiseMin(boxB.max() - boxA.min());
   const double least = overlaps.minCoeff();
   if (least > known) return true;
   if (least <= 0 || overlaps.maxCoeff() <= known) return false;
