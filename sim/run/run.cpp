@@ -121,13 +121,13 @@ void Run::advanceToEnd() {
   }
 }
 
-// Whether to continue after a step. A run ends at the check nearest to its duration.
+// Whether to continue after a step.
 bool Run::shouldContinue() {
   if (ending_) return false;
   const bool shouldStop = recorder_.shouldStop();
   if (checkpoints_ && (shouldStop || checkpoints_->isDue())) saveState();
   if (shouldStop) interrupt();
-  return !ending_ && clock_.isBefore(bricks_.scene.stop.duration);
+  return !ending_ && !clock_.isDue(bricks_.scene.stop.duration);
 }
 
 // One iteration of the loop, including pauses.
@@ -149,9 +149,10 @@ void Run::advance() {
   if (!ending_ && clock_.isDue(rest_.moment(time()))) restOrContinue();
 }
 
-// A step ends when an event of the run is due.
+// A step ends when an event of the run is due, and at the end of the run.
 double Run::nextMoment() const {
-  double due = std::min(timeline_.nextMoment(time()), drive_.nextMoment());
+  double due =
+      std::min({timeline_.nextMoment(time()), drive_.nextMoment(), bricks_.scene.stop.duration});
   const double rested = rest_.moment(time());
   if (!clock_.isDue(rested)) due = std::min(due, rested);
   const double stalled = drive_.stiffness().nextMoment();

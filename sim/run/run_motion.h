@@ -60,8 +60,6 @@ class StepClock {
   bool isDue(double moment) const { return moment <= time() + kSameTime * checkInterval_; }
   /// Whether a time is present or in the future, up to rounding.
   bool isAhead(double moment) const { return moment >= time() - kSameTime * checkInterval_; }
-  /// Whether steps remain before the check nearest to `end`, seconds.
-  bool isBefore(double end) const { return sinceCheck_ > 0 || time() < end - 0.5 * checkInterval_; }
 
   /// Sets the length of the next step: to `due` or to the next check, whichever is earlier.
   void beginStep(double due);

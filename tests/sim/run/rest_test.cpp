@@ -60,6 +60,28 @@ TEST(Rest, TheEndOfTimeIsReportedWithDistanceAndSpeed) {
 
 // At a flush start the velocity equations allow two held tiles a motion that closed joints do not.
 // Speeds without a motion are rest.
+// The duration may be shorter than a step and need not be a multiple of it.
+TEST(Rest, ARunEndsExactlyAtItsDuration) {
+  for (const double duration : {1e-4, 0.005, 0.123, 0.1 + 1e-5}) {
+    for (const double tolerance : {0.0, 1e-6}) {
+      scene::Scene scene;
+      scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+      scene.actuation.drive = scene::Drive::None;
+      scene.environment.gravity = {0, 0, -9.81};
+      scene.environment.linearDamping = 0;
+      scene.solver.tolerance = tolerance;
+      scene.stop.duration = duration;
+      const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+      const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
+      EXPECT_NEAR(samples.back().time, duration, 1e-12);
+      const double fallen = samples[0].poses[0].position.z() - samples.back().poses[0].position.z();
+      // Measured 3e-17; half of the bound at first order, where steps move by their last speed.
+      const double late = tolerance > 0 ? 1e-12 : 9.81 * duration * scene.solver.timestep;
+      EXPECT_NEAR(fallen, 0.5 * 9.81 * duration * duration, late) << duration << ' ' << tolerance;
+    }
+  }
+}
+
 TEST(Rest, AFlushSheetThatPinsLockIsAtRest) {
   for (const int other : {15, 3}) {
     scene::Scene scene = sheet();

@@ -60,15 +60,6 @@ TEST(StepClock, TreatsEventsDueAtACheckUpToRoundingAsDue) {
   EXPECT_FALSE(clock.isAhead(0.1 - 1e-6));
 }
 
-TEST(StepClock, StopsAtTheCheckNearestToTheEnd) {
-  run::StepClock clock(0.1);
-  EXPECT_TRUE(clock.isBefore(0.06));
-  EXPECT_FALSE(clock.isBefore(0.04));
-  clock.beginStep(0.03);
-  clock.endStep();
-  EXPECT_TRUE(clock.isBefore(0.04)) << "a started interval is completed";
-}
-
 // ------------------------------------------------------------------------------------------------
 
 TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
