@@ -114,6 +114,8 @@ constexpr double kStepGrowth = 16;
 constexpr double kLongest = 1e7;
 // Displacement that counts as motion, fraction of a tile.
 constexpr double kMoved = 1e-3;
+// The same at an equilibrium, after the last step.
+constexpr double kEquilibriumMove = 1e-8;
 
 }  // namespace
 
@@ -132,12 +134,17 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
   Motion trial = motion;
   for (double length = kStepGrowth * step; length < kLongest && !probe.movesOn;
        length *= kStepGrowth) {
+    probe.poses = trial.poses;
     trial.velocities.assign(trial.poses.size(), Velocity{});
     const StepReport report = dynamics.advance(trial, length, actuation);
     probe.work += report.work;
+    probe.isConverged = false;
     if (report.unconverged > 0) break;  // a failed step has no information
     probe.movesOn = farthestMove(motion.poses, trial.poses, tileSize) > kMoved * tileSize;
+    const double last = farthestMove(probe.poses, trial.poses, tileSize);
+    probe.isConverged = !probe.movesOn && last <= kEquilibriumMove * tileSize;
   }
+  probe.poses = trial.poses;
   return probe;
 }
 

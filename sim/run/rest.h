@@ -60,6 +60,9 @@ class RestWatch {
 struct RestProbe {
   bool movesOn = false;  ///< in the long run a brick would move farther than rounding and noise
   double work = 0;       ///< cost of the probe, see StepReport
+  Poses poses;           ///< after the longest step
+  /// Whether they are an equilibrium: all steps succeeded, and the last one moved no brick.
+  bool isConverged = false;
 };
 
 /// Finds out where almost resting bricks would move in the long run. It takes implicit steps from

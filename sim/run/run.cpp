@@ -298,6 +298,7 @@ void Run::restOrContinue() {
     rest_.restartCount();
   } else if (timeline_.isOver(time())) {
     settleAtNearest();
+    settleAtEquilibrium();
     end(reasons().atRest(isTrial_));
   } else {
     end({Outcome::Locked, fmt::format("came to rest, but {}", timeline_.pending())});
@@ -313,23 +314,31 @@ RunReasons Run::reasons() {
 // Whether bricks that hardly move are still in motion: soft springs and heavy bricks are slow.
 // Springs at hinges count too, but not expansion, which would never end.
 bool Run::isOnlySlow() {
-  const scene::Scene& scene = bricks_.scene;
-  const double tile = bricks_.tileSize;
-  if (rest_.isStuck(motion_.poses()) || scene.solver.kind == scene::SolverKind::Bullet)
+  if (rest_.isStuck(motion_.poses()) || bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return false;
   if (target_.isPulledTo() && timeline_.forcesAreOn()) {
     if (target_.isAtSpringEquilibrium(targetErrorNow())) return false;
-  } else if (!scene.hinges.areOn() || drive_.isEndless()) {
+  } else if (!areOnSprings()) {
     return false;
   }
-  const RestProbe probe = probeRest(*motion_.copyOfSolver(), motion_.now(), clock_.checkInterval(),
-                                    forces_.loadsNow(), tile);
+  return probe().movesOn;
+}
+
+// Whether the bricks have an equilibrium by springs at their hinges.
+bool Run::areOnSprings() const {
+  return bricks_.scene.hinges.areOn() && !drive_.isEndless();
+}
+
+// Where the bricks would move in the long run.
+RestProbe Run::probe() {
+  RestProbe probe = probeRest(*motion_.copyOfSolver(), motion_.now(), clock_.checkInterval(),
+                              forces_.loadsNow(), bricks_.tileSize);
   recorder_.figures().addWork(probe.work);
-  return probe.movesOn;
+  return probe;
 }
 
 // ------------------------------------------------------------------------------------------------
-// Last step to the nearest state.
+// Last step to the nearest state or to the equilibrium.
 
 // Whether only the pull to the target acts on the bricks, apart from joints and contacts.
 bool Run::isOnlyPulled() const {
@@ -356,10 +365,27 @@ void Run::settleAtNearest() {
   const double allowed =
       std::max(figures.overlapsOf(motion_.poses()).grown, kAllowedOverlap * tile);
   if (bricks_.needs.contacts.on && figures.overlapsOf(*nearest).grown > allowed) return;
-  clock_.beginStep(std::numeric_limits<double>::infinity());
+  endAt(*nearest);
+}
+
+// Bricks at the settle speed are near their equilibrium: their forces are out of balance by this
+// speed times a frequency. The last step moves them into the equilibrium. With contacts, long steps
+// are not exact enough.
+void Run::settleAtEquilibrium() {
+  if (!areOnSprings() || target_.isPulledTo() || bricks_.needs.contacts.on ||
+      bricks_.scene.solver.kind != scene::SolverKind::Direct || isTrial_)
+    return;
+  const RestProbe found = probe();
+  if (found.isConverged) endAt(found.poses);
+}
+
+// The last step, which ends at rest in these poses.
+void Run::endAt(const Poses& poses) {
+  if (clock_.isDue(bricks_.scene.stop.duration)) return;
+  clock_.beginStep(nextMoment());
   motion_.beginStep();
   recorder_.beginStep();
-  motion_.now() = {*nearest, std::vector<Velocity>(bricks_.bricks.size())};
+  motion_.now() = {poses, std::vector<Velocity>(bricks_.bricks.size())};
   const StepReport report = {.steps = 1};
   recorder_.endStep(report, false);
   clock_.endStep();

@@ -130,7 +130,11 @@ class Run : private TimelineStage {
   RunReasons reasons();
   bool isOnlySlow();
   bool isOnlyPulled() const;
+  bool areOnSprings() const;
+  RestProbe probe();
   void settleAtNearest();
+  void settleAtEquilibrium();
+  void endAt(const Poses& poses);
 
   // The timeline and its actions on the run.
   bool followTimeline(bool atRest);
