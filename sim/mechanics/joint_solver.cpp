@@ -81,6 +81,7 @@ class Stepper : public JointSolver {
   void setJointStiffness(double stiffness) override;
   void forgetSteps() override;
   void setHalving(bool isOn) override { settings_.isHalving = isOn; }
+  void setFine(bool isOn) override { settings_.isFine = isOn; }
   std::vector<ContactLoad> contactLoads() const override;
   std::vector<TouchForce> touchForces(const Poses& poses) const override;
   double jointStiffness() const override { return jointStiffness_; }
@@ -126,7 +127,8 @@ class Stepper : public JointSolver {
   bool moveAsPieces(Motion& motion, double step, const LoadSource& loads);
   std::vector<std::pair<int, int>> pairsThatHold() const;
   bool closeJoints(const std::vector<Row>& contacts, double step);
-  Vector closingMove(const Vector& gaps, const std::vector<Row>& contacts, bool withOverlaps) const;
+  Vector closingMove(const Vector& gaps, const std::vector<Row>& contacts,
+                     const std::function<double(const Row&)>& aim) const;
   Vector extrapolated(const Vector& move, const Vector& lastMove) const;
   double overlap(const Row& row) const;
   bool anyOverlap(const std::vector<Row>& contacts) const;
@@ -166,6 +168,7 @@ namespace {
 constexpr double kSpeedTolerance = 1e-10;  // of joint rows, times the speed of the fastest brick
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, times the same
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round
+constexpr double kFineTolerance = 1e-13;         // of fine velocities, times the same
 constexpr double kSlow = 1e-3;                   // smallest speed in these tolerances
 constexpr double kWorkTolerance = 1e-6;          // of impulses, times the work of the loads
 constexpr double kRecovery = 2e-6;               // largest correction of an overlap in a step
@@ -517,12 +520,17 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
   setSlipStates(program_, system_.rho());
   if (!system_.factor(program_.contacts)) return false;
   const double slow = kSlow * settings_.lengthScale;
+  double last = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMultiplierRounds; ++round) {
     const RoundReport report = solveRound(system_, program_, slow);
     if (!report.found) return false;
     const double speed = std::max(system_.largestSpeed(program_.x), slow);
     const bool refined = report.change <= kChangeTolerance * speed &&
                          report.contactChange <= kContactSpeedTolerance * speed;
+    // Changes decrease by a constant ratio.
+    const double next = report.change * std::min(1.0, report.change / last);
+    last = report.change;
+    if (settings_.isFine && next > kFineTolerance * speed) continue;
     if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
   }
   return true;  // the gap after closing shows whether the step is good
@@ -1168,13 +1176,17 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   double moved = 0;
   Vector gaps = system_.jointGaps(end_.poses);
   double gap = largestOf(gaps);
-  bool refactored = false;
+  bool refactored = false, isLast = false;
   end_.closing = Vector::Zero(program_.x.size());
   Vector lastMove = end_.closing;
   for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
-    if (gap <= kGapTolerance * scale && !overlapping) break;
-    const Vector move = extrapolated(closingMove(gaps, contacts, overlapping), lastMove);
+    if (gap <= kGapTolerance * scale && !overlapping) {
+      if (!settings_.isFine || isLast || round == 0) break;
+      isLast = true;
+    }
+    const auto aim = [&](const Row& row) { return overlapping ? overlap(row) : 0; };
+    const Vector move = extrapolated(closingMove(gaps, contacts, aim), lastMove);
     lastMove = move;
     end_.closing += move;
     displace(move);
@@ -1194,17 +1206,24 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   return gap <= kGapAccepted * scale && (!end_.jumped || isShortest_);
 }
 
+/// The smallest displacement in the metric A that closes these gaps and moves the bricks of active
+/// contacts apart by these distances. The weight of joints in the factor leaves an error of 1e-6 of
+/// it along the mechanism. A fine solver removes it by a second solution.
 template <int D>
 Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Row>& contacts,
-                                        bool withOverlaps) const {
+                                        const std::function<double(const Row&)>& aim) const {
   Vector move = Vector::Zero(program_.x.size());
-  system_.addJointImpulse(-system_.kappa(), gaps, move);
-  if (withOverlaps) {
+  for (int solution = 0; solution < (settings_.isFine ? 2 : 1); ++solution) {
+    Vector rest = -system_.timesA(move);
+    system_.addJointImpulse(-system_.kappa(), gaps + system_.jointVelocity(move), rest);
     for (const Row& row : contacts) {
-      if (row.active) row.addNormal(system_.rho() * overlap(row), move);
+      if (row.active) row.addNormal(system_.rho() * (aim(row) - row.normalVelocity(move)), rest);
+      if (!row.hasFriction()) continue;
+      row.addTangent(-system_.rho() * (row.slipStiffness * row.slipVelocity(move)), rest);
     }
+    system_.solveInPlace(rest);
+    move += rest;
   }
-  system_.solveInPlace(move);
   return move;
 }
 
@@ -1330,16 +1349,15 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   end_.poses = poses;
   Vector gaps = system_.jointGaps(end_.poses);
   double gap = largestGap(gaps, held);
-  bool isCurrent = false;
-  for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
-    if (!isCurrent && !factorMasses(held)) break;
-    Vector move = Vector::Zero(D * bricks_.size());
-    system_.addJointImpulse(-system_.kappa(), gaps, move);
-    for (const Row& row : held) {
-      row.addNormal(-system_.rho() * brick::contactGap(row.contact, end_.poses), move);
+  bool isCurrent = false, isLast = false;
+  const auto aim = [&](const Row& row) { return -brick::contactGap(row.contact, end_.poses); };
+  for (int round = 0; round < kAssemblyRounds; ++round) {
+    if (gap <= kGapTolerance * scale) {
+      if (!settings_.isFine || isLast || round == 0) break;
+      isLast = true;
     }
-    system_.solveInPlace(move);
-    displace(move);
+    if (!isCurrent && !factorMasses(held)) break;
+    displace(closingMove(gaps, held, aim));
     const double before = gap;
     gaps = system_.jointGaps(end_.poses);
     gap = largestGap(gaps, held);

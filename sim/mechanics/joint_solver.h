@@ -33,6 +33,7 @@ struct JointSolverSettings {
   /// Ligaments require planar motion.
   brick::PairForces pairForces;
   bool isHalving = true;  ///< whether failed steps are repeated as halves
+  bool isFine = false;    ///< whether advance() and assemble() end at rounding, see setFine()
 };
 
 /// Writes the load on every brick at the given poses. `loads` has one entry per brick, which are
@@ -143,6 +144,9 @@ class JointSolver {
   virtual void forgetSteps() = 0;
   /// Sets JointSolverSettings::isHalving.
   virtual void setHalving(bool isOn) = 0;
+  /// Sets whether velocities and closed joints are found to rounding. Near singular states, the
+  /// tolerances for dynamics let moves depend on the axes and on the order of the bricks.
+  virtual void setFine(bool isOn) = 0;
 
   /// The contacts that carried load in the last step, the strongest first; supports excluded.
   virtual std::vector<ContactLoad> contactLoads() const = 0;

@@ -78,6 +78,7 @@ class ClosingPath {
         path_(found.path),
         extension_(found.path.length()) {
     dynamics_->setJointStiffness(jointStiffness_);
+    dynamics_->setFine(true);
   }
 
   void follow() {

@@ -86,6 +86,8 @@ constexpr double kFarError = 1e-6;
 constexpr double kMinAim = 1e-6;
 constexpr double kMinGood = 1.0 / 16;
 constexpr double kAimGrowth = 1.5;
+// Aims are powers of two. Their exponents are multiples of the inverse of this number.
+constexpr double kAimSteps = 8;
 // Tolerance for changes of distance, as a fraction of the distance or of a tile.
 constexpr double kNoFarther = 1e-6;
 // Extension: maximum distance of the aim, in states, and the fraction below which bricks are stuck.
@@ -239,6 +241,7 @@ class Mechanism {
                                   contacts::FaceContact::Plane);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
+    dynamics_->setFine(true);
   }
 
   /// Sets the joint stiffness, relative to the stiffness of the pull.
@@ -286,7 +289,7 @@ class Mechanism {
         poses = std::move(motion.poses);
         return moved;
       }
-      aim_ *= moved > longest ? std::min(0.5, 0.5 * longest / moved) : 0.5;
+      setAim(aim_ * (moved > longest ? std::min(0.5, 0.5 * longest / moved) : 0.5));
     }
   }
 
@@ -307,8 +310,11 @@ class Mechanism {
       best = 1 / std::max(1.0, 2 * (1 / aim_ - gained));
     }
     if (report.halved > 0) best = std::min(best, 0.5 * aim_);
-    aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
+    setAim(std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_)));
   }
+
+  /// Rounds the aim, so rounding errors of a move do not change the length of the next one.
+  void setAim(double aim) { aim_ = std::exp2(std::round(kAimSteps * std::log2(aim)) / kAimSteps); }
 
   /// The velocities that move free bricks by the fraction `aim` of the distance to other poses, in
   /// 1 s.

@@ -68,6 +68,8 @@ class Dynamics {
   virtual void setJointStiffness(double stiffness) = 0;
   /// Sets whether failed steps are repeated in halves; see JointSolverSettings::isHalving.
   virtual void setHalving(bool /*isOn*/) {}
+  /// Sets whether moves and closed joints are found to rounding; see JointSolver::setFine.
+  virtual void setFine(bool /*isOn*/) {}
 
   /// The joints' current stiffness, N/m; infinity: exact.
   virtual double jointStiffness() const = 0;
@@ -131,6 +133,7 @@ class DirectDynamics : public Dynamics {
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   void setHalving(bool isOn) override { solver_->setHalving(isOn); }
+  void setFine(bool isOn) override { solver_->setFine(isOn); }
   double jointStiffness() const override { return solver_->jointStiffness(); }
   std::vector<trajectory::Hold> contacts(const Poses& poses) const override;
   std::vector<std::string> loadedContacts() const override;

@@ -209,6 +209,7 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
   const scene::Scene bare = scene::withoutEnvironment(scene);
   projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
                              brick::startPoses(scene.model.tiles, bricks_));
+  projection_->setFine(true);
   if (found.path.isRounded) projection_->setJointStiffness(roundedJointStiffness(scene.model));
 }
 

@@ -68,8 +68,12 @@ mechanics::JointSolver& StateInterpolator::solverFor(const Poses& from, const Po
   const bool planar = movesInPlane(bricks_, from, to, tileSize_);
   std::unique_ptr<mechanics::JointSolver>& solver = planar ? inPlane_ : inSpace_;
   if (!solver) {
-    solver = mechanics::makeJointSolver(
-        bricks_, pivots_, {.planar = planar, .lengthScale = tileSize_, .supports = {}});
+    solver = mechanics::makeJointSolver(bricks_, pivots_,
+                                        {.planar = planar,
+                                         .lengthScale = tileSize_,
+                                         .supports = {},
+                                         .pairForces = {},
+                                         .isFine = true});
   }
   solver->setPinned(pinned_);
   return *solver;
