@@ -201,10 +201,11 @@ TEST(BendingTiles, RestInTheEquilibriumOfStiffBarsAndHinges) {
     heights.push_back(std::abs(height / balance.displacements[0] - 1));
     energies.push_back(std::abs(run.elasticity->energyEnd / balance.energy - 1));
   }
-  // Measured: 4.7e-3 and 4.0e-4 of the height, 3.0e-3 and 2.6e-4 of the energy.
-  EXPECT_LT(heights[1], 1e-3);
+  // Measured: 4.7e-3 and 3.5e-4 of the height, 3.0e-3 and 2.6e-4 of the energy. Both fall at least
+  // with the square of the thickness. The height also ends there if runs settle at 1e-9 m/s.
+  EXPECT_LT(heights[1], 4e-4);
   EXPECT_LT(energies[1], 1e-3);
-  EXPECT_NEAR(heights[0] / heights[1], 100 / 9.0, 2);
+  EXPECT_GT(heights[0] / heights[1], 100 / 9.0);
   EXPECT_NEAR(energies[0] / energies[1], 100 / 9.0, 2);
 }
 
