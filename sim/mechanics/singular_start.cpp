@@ -39,7 +39,7 @@ constexpr double kSameSize = 1e-6;   // of changes that end a search, over the s
 constexpr double kSameSpeed = 1e-6;  // of changes that end a projection, over the speed
 constexpr double kSameEnd = 1e-6;    // of changes of the last speed that end the collocation
 constexpr int kMaxProjections = 30;
-constexpr int kMaxRounds = 8;  // of other searches
+constexpr int kMaxRounds = 8;            // of other searches
 constexpr double kClosedJoints = 1e-10;  // length scales
 constexpr double kMoment = 1e-3;    // over the duration: a time in which accelerations are measured
 constexpr double kSameLoads = 0.1;  // of changes of loads that keep a departure
@@ -90,10 +90,11 @@ Move moveBetween(const Poses& from, const Poses& to) {
 }
 
 /// The search for a departure.
-class Search {
+class DepartureSearch {
  public:
-  Search(const std::vector<brick::Brick>& bricks, JointSolver& solver,
-         const ExtrapolationSettings& settings, const Motion& start, const TimedLoads& loads)
+  DepartureSearch(const std::vector<brick::Brick>& bricks, JointSolver& solver,
+                  const ExtrapolationSettings& settings, const Motion& start,
+                  const TimedLoads& loads)
       : bricks_(bricks), solver_(solver), settings_(settings), start_(start), loads_(loads) {}
 
   bool isAtRest() const { return size(start_.velocities) == 0; }
@@ -136,19 +137,19 @@ class Search {
   double dampedPower_ = 0;  // at the last node, watts
 };
 
-LoadSource Search::loadsAfter(double seconds) const {
+LoadSource DepartureSearch::loadsAfter(double seconds) const {
   return [this, seconds](const Poses& poses, std::vector<brick::Load>& out) {
     loads_(seconds, poses, out);
   };
 }
 
 /// How long an even acceleration (m/s^2) takes to this distance (length scales), seconds.
-double Search::timeTo(double distance, double acceleration) const {
+double DepartureSearch::timeTo(double distance, double acceleration) const {
   return std::sqrt(2 * distance * settings_.lengthScale / acceleration);
 }
 
 /// In the metric of the masses.
-double Search::product(const Move& a, const Move& b) const {
+double DepartureSearch::product(const Move& a, const Move& b) const {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Quaternion back = start_.poses[i].rotation.conjugate();
@@ -159,7 +160,7 @@ double Search::product(const Move& a, const Move& b) const {
 }
 
 /// Constant forces that would give free bricks these accelerations.
-LoadSource Search::forces(const Move& accelerations) const {
+LoadSource DepartureSearch::forces(const Move& accelerations) const {
   return [this, accelerations](const Poses& poses, std::vector<brick::Load>& out) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Quaternion& turn = start_.poses[i].rotation;
@@ -172,7 +173,7 @@ LoadSource Search::forces(const Move& accelerations) const {
 }
 
 /// Accelerations away from the centre of all bricks, as large as those of the loads.
-Move Search::fromCentre() const {
+Move DepartureSearch::fromCentre() const {
   Vector3 centre = Vector3::Zero();
   for (const Pose& pose : start_.poses) centre += pose.position;
   centre /= static_cast<double>(start_.poses.size());
@@ -182,7 +183,7 @@ Move Search::fromCentre() const {
 }
 
 /// Whether loads move the bricks, and closing takes a part of their displacement away.
-bool Search::isSingular() {
+bool DepartureSearch::isSingular() {
   const double probe = kProbe * settings_.longestStep;
   Motion after = start_;
   LoadGain given;
@@ -197,7 +198,7 @@ bool Search::isSingular() {
 
 /// Steps of first order under these loads, until a state at the distance kReach is reached. Returns
 /// its displacement, or nothing if they do not leave the start.
-std::optional<Move> Search::follow(const LoadSource& loads, long mostSteps) {
+std::optional<Move> DepartureSearch::follow(const LoadSource& loads, long mostSteps) {
   Motion state = start_;
   const double step = kFirstOrder * timeTo(kReach, size(free_));
   const long last = report_.steps + mostSteps;
@@ -212,7 +213,7 @@ std::optional<Move> Search::follow(const LoadSource& loads, long mostSteps) {
 }
 
 /// The displacement to a state on a path, on the side to which the loads pull.
-std::optional<Move> Search::moveOnPath() {
+std::optional<Move> DepartureSearch::moveOnPath() {
   std::optional<Move> move = follow(loadsAfter(0), kStepsOfLoads);
   if (!move) move = follow(forces(fromCentre()), kStepsFromCentre);
   if (!move || product(*move, free_) >= 0) return move;
@@ -221,7 +222,7 @@ std::optional<Move> Search::moveOnPath() {
 
 /// Projects velocities onto those that joints allow, again until nothing changes: near a singular
 /// state each projection is incomplete.
-bool Search::projectFully(Motion& motion) {
+bool DepartureSearch::projectFully(Motion& motion) {
   const double speed = size(motion.velocities);
   for (int round = 0; round < kMaxProjections; ++round) {
     const Move before = motion.velocities;
@@ -233,8 +234,8 @@ bool Search::projectFully(Motion& motion) {
 
 /// The closed state on a path that is nearest to a displacement, with the velocities that joints
 /// allow there, of those that belong to it. `near`: on the path. Nothing if it is not found.
-std::optional<Motion> Search::nearestOnPath(const Move& desired, const Move& velocities,
-                                            const Poses& near) {
+std::optional<Motion> DepartureSearch::nearestOnPath(const Move& desired, const Move& velocities,
+                                                     const Poses& near) {
   Motion end{near, velocities};
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!(solver_.project(end) <= kClosedJoints * settings_.lengthScale)) return std::nullopt;
@@ -248,7 +249,8 @@ std::optional<Motion> Search::nearestOnPath(const Move& desired, const Move& vel
 }
 
 /// The acceleration by the velocities that joints allow in a state, at this time of the motion.
-std::optional<Move> Search::acceleration(const Motion& motion, double seconds, double duration) {
+std::optional<Move> DepartureSearch::acceleration(const Motion& motion, double seconds,
+                                                  double duration) {
   const double step = kMoment * duration;
   Motion after = motion;
   LoadGain given;
@@ -280,7 +282,7 @@ std::array<Eigen::Matrix<double, kNodes, kNodes>, 2> weights(int first) {
 }
 
 /// Moves the nodes to the states that follow from their accelerations.
-bool Search::setNodes(const std::array<Move, kNodes>& accelerations, double duration) {
+bool DepartureSearch::setNodes(const std::array<Move, kNodes>& accelerations, double duration) {
   const auto [speeds, moves] = weights(0);
   for (int j = 0; j < kNodes; ++j) {
     Move move(start_.poses.size()), velocities = move;
@@ -297,7 +299,7 @@ bool Search::setNodes(const std::array<Move, kNodes>& accelerations, double dura
 
 /// The error at the end, estimated by a polynomial of one order less, counts as rounding beyond the
 /// tolerance: without rounding the motion could be shorter.
-void Search::countError(const std::array<Move, kNodes>& accelerations, double duration) {
+void DepartureSearch::countError(const std::array<Move, kNodes>& accelerations, double duration) {
   const auto difference = weights(0)[1] - weights(1)[1];
   Move error(start_.poses.size());
   for (int k = 0; k < kNodes; ++k) {
@@ -307,7 +309,7 @@ void Search::countError(const std::array<Move, kNodes>& accelerations, double du
 }
 
 /// The power of dampers grows with the square of the time.
-Departure Search::departure(double duration) const {
+Departure DepartureSearch::departure(double duration) const {
   Departure result{.start = start_, .damped = dampedPower_ * duration / 3, .now = start_};
   for (int j = 0; j < kNodes; ++j) result.states.push_back({kTimes[j] * duration, nodes_[j]});
   result.loads.resize(bricks_.size());
@@ -317,7 +319,8 @@ Departure Search::departure(double duration) const {
 
 /// The motion of this duration to about this distance. `along`: the displacement to a state on the
 /// path.
-std::optional<Departure> Search::collocate(const Move& along, double distance, double duration) {
+std::optional<Departure> DepartureSearch::collocate(const Move& along, double distance,
+                                                    double duration) {
   Poses near = moved(start_.poses, along);
   for (int j = kNodes - 1; j >= 0; --j) {
     const double share = distance * settings_.lengthScale / size(along) * kTimes[j] * kTimes[j];
@@ -345,7 +348,7 @@ std::optional<Departure> Search::collocate(const Move& along, double distance, d
 }
 
 /// The shortest motion that rounding allows.
-std::optional<Departure> Search::find() {
+std::optional<Departure> DepartureSearch::find() {
   const std::optional<Move> along = moveOnPath();
   if (!along) return std::nullopt;
   // An acceleration `pull` times `along`.
@@ -366,7 +369,7 @@ std::optional<Departure> leaveSingularState(const std::vector<brick::Brick>& bri
                                             const Motion& motion, double seconds,
                                             const TimedLoads& loads, const StepFilter& mayTake,
                                             StepReport& report) {
-  Search search(bricks, solver, settings, motion, loads);
+  DepartureSearch search(bricks, solver, settings, motion, loads);
   if (!search.isAtRest() || !search.isSingular()) return std::nullopt;
   std::optional<Departure> found = search.find();
   report.steps += search.report().steps;
