@@ -485,6 +485,27 @@ void symmetrise(Model& model) {
   if (model.target) symmetriseTiles(*model.target, group, least);
 }
 
+// Each symmetry that the products of the earlier ones do not reach becomes a generator.
+std::vector<Symmetry> generatorsOf(std::span<const Symmetry> group) {
+  std::vector<Symmetry> generators;
+  std::vector<Matrix3> reached = {Matrix3::Identity()};
+  const auto isReached = [&](const Matrix3& turn) {
+    return std::ranges::any_of(
+        reached, [&](const Matrix3& known) { return known.isApprox(turn, kSameTurn); });
+  };
+  for (const Symmetry& symmetry : group) {
+    if (isReached(symmetry.turn)) continue;
+    generators.push_back(symmetry);
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (const Symmetry& generator : generators) {
+        const Matrix3 product = generator.turn * reached[i];
+        if (!isReached(product)) reached.push_back(product);
+      }
+    }
+  }
+  return generators;
+}
+
 // The largest over all symmetries and tiles.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius) {
   const Vector3 centre = centreOf(poses);

@@ -70,6 +70,9 @@ std::vector<Symmetry> symmetriesOf(const Model& model);
 /// change a model that is already symmetric up to rounding, or whose tiles were rounded.
 void symmetrise(Model& model);
 
+/// A few symmetries whose products are the whole group.
+std::vector<Symmetry> generatorsOf(std::span<const Symmetry> group);
+
 /// The deviation of a state's images under the symmetries: the largest distance of a centre of
 /// mass, metres, or rotation angle times `radius`.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius);

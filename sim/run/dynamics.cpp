@@ -377,7 +377,8 @@ std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
 
 // ------------------------------------------------------------------------------------------------
 // Keeping a path symmetric. If a state differs from the mean of its images under the group
-// (model/isometry.h) by more than the asymmetry of closed states, the mean replaces it. The mean of
+// (model/isometry.h) by more than the asymmetry of closed states, the mean replaces it. The images
+// under the generators of the group decide, because a large group has few of them. The mean of
 // closed states is closed to the second order of the difference. If this is not enough, its joints
 // are closed. If they cannot be closed, the state stays as it is.
 
@@ -394,7 +395,9 @@ constexpr double kClosedImage = 1e-11;
 
 // The pivots are kept to measure whether a mean is still closed.
 SymmetricStates::SymmetricStates(const scene::Scene& scene, std::vector<model::Symmetry> group)
-    : group_(std::move(group)), tile_(model::tileSize(scene.model)) {
+    : group_(std::move(group)),
+      generators_(model::generatorsOf(group_)),
+      tile_(model::tileSize(scene.model)) {
   pivots_ =
       brick::makePivots(scene.model.joints, brick::makeBricks(scene.model.tiles, scene.brick));
 }
@@ -405,13 +408,14 @@ void SymmetricStates::keepThoseOf(const Poses& state) {
   std::erase_if(group_, [&](const model::Symmetry& symmetry) {
     return model::asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
   });
+  generators_ = model::generatorsOf(group_);
 }
 
 // Replaces a state that has drifted by its mean over the group. Leaves the state unchanged if the
 // mean cannot be closed.
 void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
   if (group_.size() < 2) return;
-  if (model::asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;
+  if (model::asymmetry(poses, generators_, tile_) <= kNegligible * tile_) return;
   Poses mean = model::symmetricMean(poses, group_);
   const bool isExact = !std::isfinite(dynamics.jointStiffness());
   const bool isOpen = isExact && trajectory::jointGap(pivots_, mean).max > kClosedImage * tile_;

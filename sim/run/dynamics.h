@@ -226,7 +226,7 @@ class SymmetricStates {
   void restore(Poses& poses, Dynamics& dynamics) const;
 
  private:
-  std::vector<model::Symmetry> group_;
+  std::vector<model::Symmetry> group_, generators_;
   std::vector<brick::Pivot> pivots_;
   double tile_;  // metres
 };

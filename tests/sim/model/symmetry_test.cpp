@@ -1,7 +1,10 @@
 // Symmetry groups against closed forms, and the means of states under them.
 #include <map>
 #include <random>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,6 +63,30 @@ TEST(Symmetry, TheIsometriesAreAGroup) {
           group, [&](const model::Symmetry& c) { return (c.turn - product(a, b)).norm() < 1e-9; });
       EXPECT_TRUE(isThere);
     }
+  }
+}
+
+/// Odd sheets have the four quarter turns, even ones two reflections and their product. All images
+/// of tiles under products of the generators are found here by their permutations.
+TEST(Symmetry, ProductsOfTheGeneratorsAreTheGroup) {
+  for (const auto& [size, count] : {std::pair(3, 1u), {4, 2u}}) {
+    const std::vector<model::Symmetry> group = model::symmetriesOf(sheet(size, size));
+    const std::vector<model::Symmetry> generators = model::generatorsOf(group);
+    EXPECT_EQ(generators.size(), count);
+    std::set<std::vector<int>> images = {group.front().images};
+    for (bool isNew = true; isNew;) {
+      const std::set<std::vector<int>> before = images;
+      for (std::vector<int> image : before) {
+        for (const model::Symmetry& generator : generators) {
+          std::vector<int> next;
+          for (const int tile : image)
+            next.push_back(generator.images[static_cast<std::size_t>(tile)]);
+          images.insert(next);
+        }
+      }
+      isNew = images.size() > before.size();
+    }
+    EXPECT_EQ(images.size(), group.size());
   }
 }
 
