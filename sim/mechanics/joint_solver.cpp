@@ -59,6 +59,7 @@ class Stepper : public JointSolver {
         settings_(settings),
         system_(bricks, pivots, settings.lengthScale, settings.pairForces),
         loads_(bricks.size()) {
+    system_.omitRepeatedRows();
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());
     pinned_.assign(bricks.size(), false);

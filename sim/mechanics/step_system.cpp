@@ -176,6 +176,8 @@ constexpr double kJointWeight = 1e10;
 // The contact rows' weight is far smaller: Newton's line search can step over the kinks of
 // many contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
+// A smaller sine of directions between pivots of a joint is rounding.
+constexpr double kSamePoint = 1e-9;
 // Cost of setting up a brick and a row, in multiplications.
 constexpr double kWorkOfBrick = 2000;
 constexpr double kWorkOfRow = 500;
@@ -461,6 +463,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
   f_.setZero();
   springs_.clear();
   pairBlocks_.clear();
+  hasExactJoints_ = true;
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
@@ -487,6 +490,7 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<brick::Load>
   springs_.addForce(step, f_);
   pairBlocks_.begin(motion.poses, step, pinned_);
   ownForce_ = f_;
+  hasExactJoints_ = !std::isfinite(jointStiffness);
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
                                          : kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
@@ -506,6 +510,32 @@ double StepSystem<D>::potential(double step, const Vector& x) const {
 }
 
 template <int D>
+void StepSystem<D>::omitRepeatedRows() {
+  repeated_.assign(pivots_.size(), Matrix3::Zero());
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    Matrix3& repeated = repeated_[p];
+    for (std::size_t q = p; q-- > 0 && pivots_[q].joint == pivots_[p].joint;) {
+      const Vector3 between = pivots_[p].pointA - pivots_[q].pointA;
+      const Vector3 along = between - repeated * between;
+      if (along.norm() > kSamePoint * between.norm())
+        repeated += along * along.transpose() / along.squaredNorm();
+    }
+  }
+}
+
+/// Removes the directions from a pivot's rows that earlier pivots of its joint have.
+template <int D>
+void StepSystem<D>::omitRepeated(std::size_t pivot, const Matrix3& turnOfA,
+                                 JointRows<D>& rows) const {
+  if constexpr (D == 6) {
+    if (!hasExactJoints_ || repeated_.empty() || repeated_[pivot].isZero(0)) return;
+    const Matrix3 kept = turnOfA * (Matrix3::Identity() - repeated_[pivot]) * turnOfA.transpose();
+    rows.a = kept * rows.a;
+    rows.b = kept * rows.b;
+  }
+}
+
+template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
@@ -514,6 +544,7 @@ void StepSystem<D>::placeJoints(const Poses& poses) {
     rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
     rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
     if (!pivot.joinsPoints()) keepRows(pivot, poses, rows);
+    omitRepeated(p, turns[pivot.brickA], rows);
     if (pinned_[pivot.brickA]) rows.a.setZero();
     if (pinned_[pivot.brickB]) rows.b.setZero();
   }

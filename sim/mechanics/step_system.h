@@ -436,6 +436,11 @@ class StepSystem {
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
   /// Pivots with rows. A planar scene has one for both faces.
   std::span<const brick::Pivot> pivots() const { return pivots_; }
+  /// Omits from now on the rows of exact joints that other pivots of the same joint have, in space.
+  /// The second pivot of a hinge keeps no row along the hinge, the third pivot of a fixed joint one
+  /// row. All rows together are dependent while joints are closed, and only nearly dependent if
+  /// they are open: the velocities that they then exclude are found only to a few digits.
+  void omitRepeatedRows();
   /// Whether there is any pivot.
   bool hasJoints() const { return !pivots_.empty(); }
 
@@ -501,6 +506,7 @@ class StepSystem {
   void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
+  void omitRepeated(std::size_t pivot, const Matrix3& turnOfA, JointRows<D>& rows) const;
   void keepRows(const brick::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
   template <int kRows, typename Weight>
@@ -517,6 +523,8 @@ class StepSystem {
   std::vector<bool> pinned_;
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
+  std::vector<Matrix3> repeated_;  // for each pivot, projector in brick A's axes; may be empty
+  bool hasExactJoints_ = true;
   SpringRows<D> springs_;     // no weights while A = M
   PairBlocks<D> pairBlocks_;  // the same
   Vector ownForce_;           // f without pair blocks
