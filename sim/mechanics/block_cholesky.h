@@ -95,7 +95,7 @@ class BlockCholesky {
   void add(const Place& place, const Summand& block) {
     for (int column = 0; column < D; ++column) {
       double* const to = panels_.data() + place.start + column * place.stride;
-      for (int row = 0; row < D; ++row) to[row] += block(row, column);
+      for (int row = 0; row < D; ++row) to[row] += block.coeff(row, column);
     }
   }
 

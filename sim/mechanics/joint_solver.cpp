@@ -100,6 +100,7 @@ class Stepper : public JointSolver {
   void keepHeldRows(double step);
   bool solveWithFriction(const Poses& start);
   bool boundFriction(const std::vector<FrictionPlane>& planes, const Poses& poses);
+  bool allowsVelocities(const Motion& motion);
   bool projectVelocities(Motion& motion, bool withFriction);
   bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
@@ -1297,9 +1298,23 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   return true;
 }
 
+/// Whether joints and pins allow the velocities, and no contacts are held.
+template <int D>
+bool Stepper<D>::allowsVelocities(const Motion& motion) {
+  if (!kept_.contacts.empty()) return false;
+  Vector x(D * bricks_.size());
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    x.segment<D>(D * i) = Space::pack(motion.velocities[i]);
+    if (pinned_[i] && !x.segment<D>(D * i).isZero(0)) return false;
+  }
+  system_.placeJoints(motion.poses);
+  const double speed = std::max(system_.largestSpeed(x), kSlow * settings_.lengthScale);
+  return largestOf(system_.jointVelocity(x)) <= kSpeedTolerance * speed;
+}
+
 template <int D>
 bool Stepper<D>::collide(Motion& motion) {
-  return projectVelocities(motion, true);
+  return allowsVelocities(motion) || projectVelocities(motion, true);
 }
 
 template <int D>

@@ -566,6 +566,27 @@ void StepSystem<D>::keepRows(const brick::Pivot& pivot, const Poses& poses, Join
   }
 }
 
+namespace {
+
+/// The product of two small matrices.
+// Eigen calls a function for each.
+template <typename Left, typename Right>
+auto productOf(const Left& left, const Right& right) {
+  Eigen::Matrix<double, Left::RowsAtCompileTime, Right::ColsAtCompileTime> product;
+  for (Eigen::Index column = 0; column < product.cols(); ++column) {
+    for (Eigen::Index row = 0; row < product.rows(); ++row) {
+      double sum = left.coeff(row, 0) * right.coeff(0, column);
+      for (Eigen::Index k = 1; k < Left::ColsAtCompileTime; ++k) {
+        sum += left.coeff(row, k) * right.coeff(k, column);
+      }
+      product.coeffRef(row, column) = sum;
+    }
+  }
+  return product;
+}
+
+}  // namespace
+
 /// Adds [a b]^T weight [a b] for rows of a pair of bricks, without those of fixed bodies. The
 /// weight is a number or a symmetric matrix.
 template <int D>
@@ -576,13 +597,13 @@ void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
                                     const Weight& weight) {
   const Eigen::Matrix<double, D, kRows> weightedA = a.transpose() * weight;
   const Eigen::Matrix<double, D, kRows> weightedB = b.transpose() * weight;
-  if (brick::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
-  if (brick::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
+  if (brick::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, productOf(weightedA, a));
+  if (brick::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, productOf(weightedB, b));
   if (!pair.hasEdge()) return;
   if (pair.brickA < pair.brickB) {
-    matrix_.addToOffDiagonal(pair.edge, weightedA.lazyProduct(b));
+    matrix_.addToOffDiagonal(pair.edge, productOf(weightedA, b));
   } else {
-    matrix_.addToOffDiagonal(pair.edge, weightedB.lazyProduct(a));
+    matrix_.addToOffDiagonal(pair.edge, productOf(weightedB, a));
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -55,8 +56,12 @@ struct Coordinates {
     if constexpr (D == 6) {
       return m;
     } else {
+      constexpr std::array<int, D> kKept = {0, 1, 5};
       Block block;
-      block << m(0, 0), m(0, 1), m(0, 5), m(1, 0), m(1, 1), m(1, 5), m(5, 0), m(5, 1), m(5, 5);
+      for (int column = 0; column < D; ++column) {
+        for (int row = 0; row < D; ++row)
+          block.coeffRef(row, column) = m.coeff(kKept[row], kKept[column]);
+      }
       return block;
     }
   }
