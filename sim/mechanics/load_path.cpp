@@ -81,14 +81,36 @@ struct PathPoint {
   double load = 0;
 };
 
+/// L D L^T of one matrix after another. The order of elimination depends only on the pattern of
+/// entries, and is found again only if that changes.
+class SymmetricFactor : public Eigen::SimplicialLDLT<Matrix> {
+ public:
+  /// Factors a compressed matrix.
+  void computeNext(const Matrix& matrix) {
+    const std::vector<int> starts(matrix.outerIndexPtr(),
+                                  matrix.outerIndexPtr() + matrix.outerSize() + 1);
+    const std::vector<int> places(matrix.innerIndexPtr(),
+                                  matrix.innerIndexPtr() + matrix.nonZeros());
+    if (starts != starts_ || places != places_) analyzePattern(matrix);
+    starts_ = starts;
+    places_ = places;
+    factorize(matrix);
+  }
+
+ private:
+  std::vector<int> starts_, places_;  // the pattern of the last matrix
+};
+
 /// The factored equations at one point.
 class Equations {
  public:
-  Equations(const LoadedSheet& sheet, const PathPoint& at)
+  /// Uses the factor until the next equations do.
+  Equations(const LoadedSheet& sheet, const PathPoint& at, SymmetricFactor& factor)
       : H_(sheet.hessian(at.q, at.load, at.multipliers)),
         J_(sheet.jacobian(at.q)),
         scale_(sheet.stiffnessScale()),
-        none_(sheet.noStiffness()) {
+        none_(sheet.noStiffness()),
+        factor_(factor) {
     factorise(sheet.constraintWeight() * scale_);
   }
 
@@ -152,7 +174,7 @@ class Equations {
   // The weight is in joules, as H is: the constraints are in length scales or radians.
   void factorise(double weight) {
     weight_ = weight;
-    factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+    factor_.computeNext(H_ + weight_ * Matrix(J_.transpose() * J_));
   }
 
   // 0 / 0 counts as no residual.
@@ -180,7 +202,7 @@ class Equations {
   double weight_ = 0;
   double scale_;
   double none_;
-  Eigen::SimplicialLDLT<Matrix> factor_;
+  SymmetricFactor& factor_;
 };
 
 /// Follows one sheet.
@@ -274,7 +296,7 @@ class Follower {
   PathPoint relax() const {
     PathPoint at{sheet_.startCoordinates(), Vector::Zero(sheet_.rows()), 0};
     for (int round = 0; round < kRelaxations; ++round) {
-      Equations equations(sheet_, at);
+      Equations equations(sheet_, at, factor_);
       // A singular H at the start means a mechanism. No load path begins there.
       if (equations.isLoose()) {
         throw RunError(
@@ -298,7 +320,7 @@ class Follower {
   // = motion for dload = 1, scaled to length 1. Its sign is that of the previous tangent: the path
   // never reverses by itself.
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
-    Equations equations(sheet_, at);
+    Equations equations(sheet_, at, factor_);
     Equations::Change change = equations.solve(sheet_.pull(at.q), sheet_.motion());
     const double length = std::sqrt(product(change.q, change.q) + 1);
     const bool isBack = before && product(change.q, before->q) + before->load < 0;
@@ -328,7 +350,7 @@ class Follower {
       const Vector gaps = sheet_.residual(at.q, at.load);
       if (!forces.allFinite()) return std::nullopt;
       if (isBalanced(forces, gaps, at)) return Point{at, tangentAt(at, &along), round};
-      Equations equations(sheet_, at);
+      Equations equations(sheet_, at, factor_);
       if (!equations.isFactored()) return std::nullopt;
       const Equations::Change closing = equations.solve(-forces, -gaps);
       const Equations::Change tangent = equations.solve(sheet_.pull(at.q), sheet_.motion());
@@ -457,7 +479,7 @@ class Follower {
       const Vector forces = forcesAt(at);
       const Vector gaps = sheet_.residual(at.q, load);
       if (isBalanced(forces, gaps, at)) return at;
-      const Equations::Change change = Equations(sheet_, at).solve(-forces, -gaps);
+      const Equations::Change change = Equations(sheet_, at, factor_).solve(-forces, -gaps);
       at.q += change.q;
       at.multipliers += change.multipliers;
     }
@@ -550,7 +572,7 @@ class Follower {
   }
 
   bool isCritical(const Point& point) const {
-    const Equations equations(sheet_, point.at);
+    const Equations equations(sheet_, point.at, factor_);
     return !equations.isFactored() || std::abs(equations.nearestEigenvalue()) < kCritical;
   }
 
@@ -623,6 +645,7 @@ class Follower {
   std::size_t leading_;
   LoadPathSettings settings_;
   const EquilibriumObserver& observer_;
+  mutable SymmetricFactor factor_;  // of the latest equations
   LoadPath path_;
 };
 

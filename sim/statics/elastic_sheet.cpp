@@ -30,10 +30,12 @@ ElasticSheet::ElasticSheet(const std::vector<brick::Brick>& bricks, Poses start,
       springs_(brick::hingeSpringsOf(pairForces)),
       grips_(std::move(grips)),
       ligaments_(brick::ligamentsOf(pairForces)),
-      scale_(bricks.empty() ? 1 : brick::meanEdge(bricks.front())) {
+      scale_(bricks.empty() ? 1 : brick::meanEdge(bricks.front())),
+      stiffness_(0) {
   for (const std::shared_ptr<const brick::PairForce>& force : pairForces) {
     if (!force->hingeSprings() && !force->ligaments()) others_.add(force);
   }
+  stiffness_ = largestStiffness();
   const Vector q = startCoordinates();
   const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};
   for (const brick::Pivot& pivot : pivots) {
@@ -118,7 +120,7 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
 // rad), ligaments by positions (N/m times the length scale squared) and by rotations. The shear
 // stiffness of a ligament that is not a pin is a moment per radian: across the ligament it acts as
 // shear / length^2.
-double ElasticSheet::stiffnessScale() const {
+double ElasticSheet::largestStiffness() const {
   double largest = 0;
   for (const brick::HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
   for (const brick::Ligament& ligament : ligaments_) {

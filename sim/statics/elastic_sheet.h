@@ -52,7 +52,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
   Vector startCoordinates() const override;
   Poses posesAt(const Vector& q) const override;
   double energy(const Vector& q) const override;
-  double stiffnessScale() const override;
+  double stiffnessScale() const override { return stiffness_; }
   double noStiffness() const override { return 1e-8; }
   double constraintWeight() const override { return 1e6; }
   Vector gradient(const Vector& q, double load) const override;
@@ -88,6 +88,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
     brick::PlanarEnergy energy;
   };
 
+  double largestStiffness() const;
   void addRow(std::vector<Term> terms, double motion, const Vector& start);
   Vector3 centreDistance(int brickA, int brickB) const;
   Vector3 arm(const GripHandle& handle, const Vector& q) const;
@@ -106,6 +107,7 @@ class ElasticSheet : public mechanics::LoadedSheet {
   std::vector<brick::Ligament> ligaments_;
   brick::PairForces others_;  // neither springs nor ligaments
   double scale_;              // metres
+  double stiffness_;          // the largest of a coordinate, joules
   std::vector<Row> rows_;
   std::vector<Eigen::Index> firstRow_;  // of each grip
 };
