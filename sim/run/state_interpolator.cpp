@@ -42,6 +42,15 @@ double largestTurn(const Poses& from, const Poses& to) {
   return largest;
 }
 
+/// kMomentsBetween equidistant states between two states, without closing joints.
+std::vector<Poses> straightMoments(const Poses& from, const Poses& to) {
+  std::vector<Poses> moments;
+  for (int k = 1; k <= kMomentsBetween; ++k) {
+    moments.push_back(interpolate(from, to, static_cast<double>(k) / (kMomentsBetween + 1)));
+  }
+  return moments;
+}
+
 }  // namespace
 
 StateInterpolator::StateInterpolator(const model::Model& model,
@@ -111,15 +120,12 @@ trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
 
 std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Poses& to) {
   if (!(largestTurn(from, to) <= kMaxTurnBetween)) return {};  // also when not a number
-  const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
-                                         interpolate(from, to, 2.0 / 3)};
-  std::array<Poses, 2> closed = straight;
-  if (!pivots_.empty() && areClosed(from) && areClosed(to)) {
-    setPinned({});
-    double gap = 0;
-    for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
-    if (gap > model::kClosedShare * tileSize_) closed = straight;
-  }
+  if (pivots_.empty() || !areClosed(from) || !areClosed(to)) return straightMoments(from, to);
+  std::array<Poses, 2> closed = {interpolate(from, to, 1.0 / 3), interpolate(from, to, 2.0 / 3)};
+  setPinned({});
+  double gap = 0;
+  for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
+  if (gap > model::kClosedShare * tileSize_) return straightMoments(from, to);
   return momentsThrough(from, closed, to);
 }
 
@@ -154,10 +160,10 @@ std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>&
                                   const Poses& to) {
   const ThirdsCorrection correction(
       {interpolate(from, to, 1.0 / 3), interpolate(from, to, 2.0 / 3)}, thirds);
-  std::vector<Poses> moments;
+  std::vector<Poses> moments = straightMoments(from, to);
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
-    correction.addTo(moments.emplace_back(interpolate(from, to, share)), share);
+    correction.addTo(moments[static_cast<std::size_t>(k - 1)], share);
   }
   return moments;
 }

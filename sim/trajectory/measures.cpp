@@ -172,19 +172,23 @@ struct PlacedPrism {
 
   const Vector3& normal() const { return directions.front(); }
 
-  void place(const Prism& prism, const Pose& pose) {
+  /// Sets everything except the box and the directions.
+  void placeCorners(const Prism& prism, const Pose& pose) {
     const Matrix3 turn = pose.rotation.toRotationMatrix();
     brick = prism.brick;
-    directions.clear();
-    for (const Vector3& direction : prism.directions) directions.push_back(turn * direction);
-    rise = prism.thickness * normal();
-    bottom.clear();
+    rise = prism.thickness * (turn * prism.directions.front());
+    bottom.resize(prism.bottom.size());
+    for (std::size_t k = 0; k < bottom.size(); ++k)
+      bottom[k] = pose.position + turn * prism.bottom[k];
+  }
+
+  void place(const Prism& prism, const Pose& pose) {
+    placeCorners(prism, pose);
+    const Matrix3 turn = pose.rotation.toRotationMatrix();
+    directions.resize(prism.directions.size());
+    for (std::size_t k = 0; k < directions.size(); ++k) directions[k] = turn * prism.directions[k];
     box.setEmpty();
-    for (const Vector3& point : prism.bottom) {
-      bottom.push_back(pose.position + turn * point);
-      box.extend(bottom.back());
-      box.extend(bottom.back() + rise);
-    }
+    for (const Vector3& point : bottom) box.extend(point).extend(point + rise);
   }
 };
 
@@ -443,7 +447,14 @@ std::vector<JoinedPair> joinedPairs(const std::vector<brick::Brick>& bricks,
   return pairs;
 }
 
-/// Places pieces at the pose of their brick. Reuses the memory of `placed`.
+/// Places the corners of pieces at the pose of their brick. Reuses the memory of `placed`.
+void placeAllCorners(const std::vector<Prism>& prisms, const Pose& pose,
+                     std::vector<PlacedPrism>& placed) {
+  placed.resize(prisms.size());
+  for (std::size_t k = 0; k < prisms.size(); ++k) placed[k].placeCorners(prisms[k], pose);
+}
+
+/// The same of whole pieces.
 void placeAll(const std::vector<Prism>& prisms, const Pose& pose,
               std::vector<PlacedPrism>& placed) {
   placed.resize(prisms.size());
@@ -510,7 +521,7 @@ double chordDistance(int brick, double radius, std::span<const Poses* const> sta
 /// A piece in the first and the last of some states, and a bound of its distance from the chords
 /// between them.
 struct MovedPrism {
-  const PlacedPrism& from;
+  const PlacedPrism& from;  ///< only its corners are used
   const PlacedPrism& to;
   double distance;  ///< see chordDistance()
 };
@@ -638,7 +649,7 @@ struct PenetrationMeter::Internals {
   std::vector<JoinedPair*> leftJoined;          // pairs without a bound
   std::vector<std::pair<int, int>> leftPieces;  // pieces of unjoined bricks without a bound
   std::vector<char> isLeft;                     // whether a brick is in one of these pairs
-  std::vector<PlacedPrism> firstA, firstB;      // cut pieces in the first state
+  std::vector<PlacedPrism> firstA, firstB;      // corners of cut pieces in the first state
 
   bool isJoined(int a, int b) const {
     const std::vector<int>& others = partners[static_cast<std::size_t>(a)];
@@ -704,8 +715,8 @@ struct PenetrationMeter::Internals {
       return false;
     }
     const double least = std::min(known.outsidePivots, known.grown + pair.atStart);
-    placeAll(pair.cutA, from[pair.a], firstA);
-    placeAll(pair.cutB, from[pair.b], firstB);
+    placeAllCorners(pair.cutA, from[pair.a], firstA);
+    placeAllCorners(pair.cutB, from[pair.b], firstB);
     placeAll(pair.cutA, to[pair.a], cutA);
     placeAll(pair.cutB, to[pair.b], cutB);
     return areBounded(firstA, cutA, distanceA, firstB, cutB, distanceB, least);

@@ -8,8 +8,9 @@
 //    height is the exact area. Sides that go up count +1, those that go down -1; from left to right
 //    a stretch is covered if the sum is not 0 (non-zero winding).
 //
-// Cost: a test for each pair of polygons with overlapping boxes, and O(m^2 log m) for a group of m
-// sides and as many crossings.
+// Cost: a test for each pair of polygons with overlapping boxes, and O(m l) for a group of m sides
+// and as many crossings, if a horizontal line crosses l of them: their order changes little from
+// slab to slab.
 //
 // J. L. Bentley, "Algorithms for Klee's rectangle problems", 1977 (for rectangles); M. de Berg et
 // al., Computational Geometry, 3rd edition, 2008, section 2.1.
@@ -132,6 +133,12 @@ struct Side {
   }
 };
 
+/// A side that a horizontal line crosses.
+struct Crossing {
+  const Side* side;
+  double x = 0;
+};
+
 std::vector<Side> sidesOf(const std::vector<const CoveringPiece*>& pieces) {
   std::vector<Side> sides;
   for (const CoveringPiece* piece : pieces) {
@@ -169,31 +176,41 @@ std::vector<double> heightsOf(const std::vector<Side>& sides) {
   return heights;
 }
 
-/// The covered length of a horizontal line, from the sides that cross it.
-double coveredLength(std::vector<std::pair<double, int>>& crossings) {
-  std::ranges::sort(crossings);
+/// The covered length of a horizontal line, from its crossings in order.
+double coveredLength(const std::vector<Crossing>& crossings) {
   double length = 0, begin = 0;
   int winding = 0;
-  for (const auto& [x, change] : crossings) {
+  for (const auto& [side, x] : crossings) {
     if (winding == 0) begin = x;
-    winding += change;
+    winding += side->winding;
     if (winding == 0) length += x - begin;
   }
   return length;
+}
+
+/// Sorts crossings that are almost in order.
+void sortCrossings(std::vector<Crossing>& crossings) {
+  for (std::size_t k = 1; k < crossings.size(); ++k) {
+    for (std::size_t j = k; j > 0 && crossings[j].x < crossings[j - 1].x; --j)
+      std::swap(crossings[j], crossings[j - 1]);
+  }
 }
 
 double groupArea(const std::vector<const CoveringPiece*>& pieces) {
   const std::vector<Side> sides = sidesOf(pieces);
   const std::vector<double> heights = heightsOf(sides);
   double area = 0;
+  auto next = sides.begin();
+  std::vector<Crossing> crossings;
   for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
     checkInterruption();
     const double middle = 0.5 * (heights[k] + heights[k + 1]);
-    std::vector<std::pair<double, int>> crossings;
-    for (const Side& side : sides) {
-      if (side.low.y() >= middle) break;
-      if (side.high.y() > middle) crossings.emplace_back(side.xAt(middle), side.winding);
+    std::erase_if(crossings, [&](const Crossing& c) { return c.side->high.y() <= middle; });
+    for (; next != sides.end() && next->low.y() < middle; ++next) {
+      if (next->high.y() > middle) crossings.push_back({&*next});
     }
+    for (Crossing& crossing : crossings) crossing.x = crossing.side->xAt(middle);
+    sortCrossings(crossings);
     area += coveredLength(crossings) * (heights[k + 1] - heights[k]);
   }
   return area;
