@@ -460,13 +460,25 @@ Vector3 centreOf(const Poses& poses) {
   return sum / static_cast<double>(poses.size());
 }
 
-/// The image of a pose under a symmetry. Conjugation transforms the rotation, which also removes a
+/// Maps poses by a symmetry about a centre. Conjugation transforms a rotation, which also removes a
 /// reflection: brick axes are parallel to the world axes at the start.
-Pose imageOf(const Pose& pose, const Vector3& centre, const Symmetry& symmetry) {
-  const Matrix3 rotation =
-      symmetry.turn * pose.rotation.toRotationMatrix() * symmetry.turn.transpose();
-  return {centre + symmetry.turn * (pose.position - centre), Quaternion(rotation)};
-}
+class ImageOf {
+ public:
+  ImageOf(const Symmetry& symmetry, const Vector3& centre)
+      : turn_(symmetry.turn),
+        centre_(centre),
+        rotation_(Matrix3(symmetry.turn * symmetry.turn.determinant())) {}
+
+  Pose operator()(const Pose& pose) const {
+    return {centre_ + turn_ * (pose.position - centre_),
+            rotation_ * pose.rotation * rotation_.conjugate()};
+  }
+
+ private:
+  Matrix3 turn_;
+  Vector3 centre_;
+  Quaternion rotation_;  // the turn, without its reflection
+};
 
 }  // namespace
 
@@ -511,8 +523,9 @@ double asymmetry(const Poses& poses, std::span<const Symmetry> group, double rad
   const Vector3 centre = centreOf(poses);
   double farthest = 0;
   for (const Symmetry& symmetry : group) {
+    const ImageOf imageOf(symmetry, centre);
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Pose image = imageOf(poses[i], centre, symmetry);
+      const Pose image = imageOf(poses[i]);
       const Pose& there = poses[static_cast<std::size_t>(symmetry.images[i])];
       farthest = std::max({farthest, (image.position - there.position).norm(),
                            radius * turnBetween(image.rotation, there.rotation).norm()});
@@ -528,9 +541,10 @@ Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group) {
   for (std::size_t i = 0; i < poses.size(); ++i) mean[i] = {Vector3::Zero(), poses[i].rotation};
   std::vector<Eigen::Vector4d> turns(poses.size(), Eigen::Vector4d::Zero());
   for (const Symmetry& symmetry : group) {
+    const ImageOf imageOf(symmetry, centre);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const auto there = static_cast<std::size_t>(symmetry.images[i]);
-      const Pose image = imageOf(poses[i], centre, symmetry);
+      const Pose image = imageOf(poses[i]);
       mean[there].position += image.position / static_cast<double>(group.size());
       // A quaternion and its negative are one rotation.
       const double sign = image.rotation.dot(poses[there].rotation) < 0 ? -1 : 1;
