@@ -134,7 +134,7 @@ struct Side {
 };
 
 /// A side that a horizontal line crosses.
-struct Crossing {
+struct EdgeCrossing {
   const Side* side;
   double x = 0;
 };
@@ -177,7 +177,7 @@ std::vector<double> heightsOf(const std::vector<Side>& sides) {
 }
 
 /// The covered length of a horizontal line, from its crossings in order.
-double coveredLength(const std::vector<Crossing>& crossings) {
+double coveredLength(const std::vector<EdgeCrossing>& crossings) {
   double length = 0, begin = 0;
   int winding = 0;
   for (const auto& [side, x] : crossings) {
@@ -189,7 +189,7 @@ double coveredLength(const std::vector<Crossing>& crossings) {
 }
 
 /// Sorts crossings that are almost in order.
-void sortCrossings(std::vector<Crossing>& crossings) {
+void sortCrossings(std::vector<EdgeCrossing>& crossings) {
   for (std::size_t k = 1; k < crossings.size(); ++k) {
     for (std::size_t j = k; j > 0 && crossings[j].x < crossings[j - 1].x; --j)
       std::swap(crossings[j], crossings[j - 1]);
@@ -201,15 +201,15 @@ double groupArea(const std::vector<const CoveringPiece*>& pieces) {
   const std::vector<double> heights = heightsOf(sides);
   double area = 0;
   auto next = sides.begin();
-  std::vector<Crossing> crossings;
+  std::vector<EdgeCrossing> crossings;
   for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
     checkInterruption();
     const double middle = 0.5 * (heights[k] + heights[k + 1]);
-    std::erase_if(crossings, [&](const Crossing& c) { return c.side->high.y() <= middle; });
+    std::erase_if(crossings, [&](const EdgeCrossing& c) { return c.side->high.y() <= middle; });
     for (; next != sides.end() && next->low.y() < middle; ++next) {
       if (next->high.y() > middle) crossings.push_back({&*next});
     }
-    for (Crossing& crossing : crossings) crossing.x = crossing.side->xAt(middle);
+    for (EdgeCrossing& crossing : crossings) crossing.x = crossing.side->xAt(middle);
     sortCrossings(crossings);
     area += coveredLength(crossings) * (heights[k + 1] - heights[k]);
   }
