@@ -109,7 +109,6 @@ class DepartureSearch {
   double longest() const { return kLongest * settings_.longestStep; }
   double timeTo(double distance, double acceleration) const;
   double product(const Move& a, const Move& b) const;
-  std::vector<brick::Load> forcesFor(const Move& accelerations) const;
   Move fromCentre() const;
 
   LoadSource loadsAfter(double seconds) const;
