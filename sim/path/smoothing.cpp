@@ -199,21 +199,20 @@ class Smoothing {
       gaps_.emplace(bricks_, pivots_, contacts, scene.environment.pivotZone, isPlanar_,
                     found.path.states.front());
     }
-    takeStates(scene, kIntervals);
-    modes_.resize(joints_.rows(), 0);
-    if (std::ranges::none_of(isOpen_, [](bool isOpen) { return isOpen; })) return;
     const double cost = kFactorisationCost * kOpenIntervals * std::pow(joints_.columns(), 3);
-    allMayOpen_ =
-        !found.path.isRounded && found.evaluation.opening > run::kAllowedOpening * tile_ &&
-        joints_.columns() <= kMaxFreedoms && kMinOpeningFactorisations * cost <= budget.left();
-    if (!allMayOpen_) {
+    allMayOpen_ = found.hasCompliantJoints && !found.path.isRounded &&
+                  found.evaluation.opening > run::kAllowedOpening * tile_ &&
+                  joints_.columns() <= kMaxFreedoms &&
+                  kMinOpeningFactorisations * cost <= budget.left();
+    takeStates(scene);
+    modes_.resize(joints_.rows(), 0);
+    if (allMayOpen_) {
+      isOpen_.assign(count(), true);
+      free_ = joints_.columns();
+      bases_.assign(count(), MatrixXd::Identity(free_, free_));
+    } else if (std::ranges::any_of(isOpen_, [](bool isOpen) { return isOpen; })) {
       takeModes();
-      return;
     }
-    takeStates(scene, kOpenIntervals);
-    isOpen_.assign(count(), true);
-    free_ = joints_.columns();
-    bases_.assign(count(), MatrixXd::Identity(free_, free_));
   }
 
   /// The improved states. Empty if there is no improvement.
@@ -244,10 +243,11 @@ class Smoothing {
   }
 
   /// Samples the found path at constant speed.
-  void takeStates(const scene::Scene& scene, int intervals) {
+  void takeStates(const scene::Scene& scene) {
+    const int intervals = allMayOpen_ ? kOpenIntervals : kIntervals;
     const run::MechanismPath& path = found_.path;
     run::StatesBetween between(scene, found_);
-    states_ = {path.states.front()};
+    states_.push_back(path.states.front());
     for (int k = 1; k < intervals; ++k) {
       const double length = k * path.length() / intervals;
       const auto next = std::upper_bound(path.lengths.begin() + 1, path.lengths.end() - 1, length);
@@ -257,7 +257,6 @@ class Smoothing {
       states_.push_back(between.at(state, share));
     }
     states_.push_back(path.states.back());
-    isOpen_.clear();
     for (const Poses& poses : states_) {
       isOpen_.push_back(found_.hasCompliantJoints && openingOf(poses) > kOpenOnPath * tile_);
     }
@@ -471,25 +470,16 @@ class Smoothing {
   /// The energy to the second order.
   NewtonStep newtonStep() {
     NewtonStep step;
-    const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
-    step.gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
-    std::vector<MatrixXd> changes;
-    for (std::size_t i = first_ + 1; i < last_; ++i) {
-      changes.push_back(changesOf(bases_[i], states_[i]));
-    }
+    setDifferences(step.hessian, step.gradient);
     for (std::size_t k = 0; k < moving(); ++k) {
       const std::size_t i = first_ + 1 + k;
       const OpeningCost cost = costOf(states_[i]);
       const SparseMatrix jacobian = joints_.jacobian(states_[i]);
-      step.gradient.col(static_cast<Eigen::Index>(k)) =
-          changes[k].transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]) +
+      step.gradient.col(static_cast<Eigen::Index>(k)) +=
           price_ * (jacobian.transpose() * cost.gradient);
       MatrixXd diagonal = price_ * SparseMatrix(jacobian.transpose() * cost.hessian * jacobian);
       diagonal.diagonal().array() += secondDifferencesAt(i);
       step.hessian.diagonal.push_back(std::move(diagonal));
-      if (k + 1 < moving())
-        step.hessian.first.push_back(-4 * changes[k + 1].transpose() * changes[k]);
-      if (k + 2 < moving()) step.hessian.second.push_back(changes[k + 2].transpose() * changes[k]);
       std::vector<NearGap> near;
       if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
       VectorXd gaps(static_cast<Eigen::Index>(near.size()));
@@ -500,6 +490,23 @@ class Smoothing {
       step.near.push_back({formsOf(near), gaps, prices});
     }
     return step;
+  }
+
+  /// Sets what second differences give of the energy to the second order in the moves of the bases:
+  /// half its gradient, and half its Hessian except the diagonal blocks. Returns the changes of z.
+  std::vector<MatrixXd> setDifferences(BandedMatrix& hessian, MatrixXd& gradient) const {
+    const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
+    gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
+    std::vector<MatrixXd> changes;
+    for (std::size_t k = 0; k < moving(); ++k) {
+      const std::size_t i = first_ + 1 + k;
+      const MatrixXd& here = changes.emplace_back(changesOf(bases_[i], states_[i]));
+      gradient.col(static_cast<Eigen::Index>(k)) =
+          here.transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]);
+      if (k > 0) hessian.first.push_back(-4 * here.transpose() * changes[k - 1]);
+      if (k > 1) hessian.second.push_back(here.transpose() * changes[k - 2]);
+    }
+    return changes;
   }
 
   /// The sum of the squared factors with which a state enters second differences: its own, and
@@ -722,27 +729,19 @@ class Smoothing {
   /// The program of a round, without damping.
   BandedProgram programOf() {
     BandedProgram program;
-    const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
-    std::vector<MatrixXd> changes;
-    for (std::size_t i = first_ + 1; i < last_; ++i) {
-      changes.push_back(changesOf(bases_[i], states_[i]));
-    }
-    program.gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
+    const std::vector<MatrixXd> changes = setDifferences(program.hessian, program.gradient);
     for (std::size_t k = 0; k < moving(); ++k) {
       const std::size_t i = first_ + 1 + k;
       const MatrixXd& here = changes[k];
-      VectorXd gradient = here.transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]);
       MatrixXd diagonal = secondDifferencesAt(i) * here.transpose() * here;
       if (modes_.cols() > 0) {
         const MatrixXd openings = joints_.jacobian(states_[i]) * bases_[i];
         const OpeningCost cost = costOf(states_[i]);
-        gradient += price_ * openings.transpose() * cost.gradient;
+        program.gradient.col(static_cast<Eigen::Index>(k)) +=
+            price_ * openings.transpose() * cost.gradient;
         diagonal += price_ * openings.transpose() * openings;
       }
-      program.gradient.col(static_cast<Eigen::Index>(k)) = gradient;
       program.hessian.diagonal.push_back(std::move(diagonal));
-      if (k + 1 < moving()) program.hessian.first.push_back(-4 * changes[k + 1].transpose() * here);
-      if (k + 2 < moving()) program.hessian.second.push_back(changes[k + 2].transpose() * here);
       std::vector<NearGap> near;
       if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
       appendGaps(near, bases_[i], kOverlap * tile_, program);
