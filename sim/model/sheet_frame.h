@@ -41,6 +41,14 @@ struct SheetFrame {
     found.rotation.vec() = axes() * q.vec();
     return found;
   }
+  /// The inverse of toWorld().
+  Pose toFrame(const Pose& pose) const {
+    const Quaternion& q = pose.rotation;
+    Pose found{toFrame(pose.position)};
+    found.rotation.w() = q.w();
+    found.rotation.vec() = axes().transpose() * q.vec();
+    return found;
+  }
   /// Whether this is a horizontal plane seen from above.
   bool isHorizontal() const { return normal == Vector3::UnitZ(); }
 };

@@ -159,6 +159,7 @@ bool isJammed(const run::DeployCost& cost) {
 bool exactJointsJam(const scene::Scene& scene, run::SearchBudget& budget,
                     const run::TrialObserver& observer) {
   scene::Scene trial = scene::withoutEnvironment(scene);
+  if (const auto frame = scene::ownAxes(trial)) trial = scene::inAxes(*frame, trial);
   trial.stop.duration = kJamTime;
   trial.path = {scene::PathKind::Straight};
   // The run's constructor already calls the observer, before `running` is set.
@@ -238,6 +239,14 @@ class TrialOverlaps {
 run::TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter requested,
                       const TargetFindings& atTarget, const run::SearchBudget& budget,
                       const std::function<bool(double work)>& shouldContinue) {
+  // Without gravity, a flat sheet may be planar; see scene::ownAxes().
+  if (const auto frame = scene::ownAxes(scene)) {
+    TargetFindings findings = atTarget;
+    for (Poses* poses : {&findings.nearest.poses, &findings.nearest.restPoses}) {
+      for (Pose& pose : *poses) pose = frame->toFrame(pose);
+    }
+    return tryPath(scene::inAxes(*frame, scene), requested, findings, budget, shouldContinue);
+  }
   const run::AssembledState& nearest = atTarget.nearest;
   StallWatch stalls(scene);
   const run::Run* running = nullptr;

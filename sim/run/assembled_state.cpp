@@ -242,7 +242,14 @@ AssembledState assembleAtTarget(const scene::Scene& scene,
   if (!scene.model.target) return {};
   scene::Scene bare = scene::withoutEnvironment(scene);
   bare.solver.kind = scene::SolverKind::Direct;
-  return Assembly(bare, shouldContinue).find();
+  const std::optional<model::SheetFrame> frame = scene::ownAxes(bare);
+  if (!frame) return Assembly(bare, shouldContinue).find();
+  const scene::Scene lying = scene::inAxes(*frame, bare);
+  AssembledState state = Assembly(lying, shouldContinue).find();
+  for (Poses* poses : {&state.poses, &state.restPoses}) {
+    for (Pose& pose : *poses) pose = frame->toWorld(pose);
+  }
+  return state;
 }
 
 // ------------------------------------------------------------------------------------------------

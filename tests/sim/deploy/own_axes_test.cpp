@@ -27,8 +27,10 @@ std::vector<model::Tile> turned(std::vector<model::Tile> tiles) {
   return tiles;
 }
 
-/// The scene turned in space, with its grips.
+/// The scene turned in space, with its grips and its gravity.
 scene::Scene turned(scene::Scene scene) {
+  Vector3& gravity = scene.environment.gravity;
+  if (!gravity.isZero(0)) gravity = kTurn * gravity;  // no -0, which is not the default
   scene.model.tiles = turned(scene.model.tiles);
   if (scene.model.target) scene.model.target = turned(*scene.model.target);
   for (scene::GripSetting& grip : scene.grips) {
@@ -79,12 +81,18 @@ double farthest(const run::DeploymentResult& level, const run::DeploymentResult&
   return largest;
 }
 
-TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
+/// The sheet and a target that is farther open.
+scene::Scene openingSheet() {
   scene::Scene scene = halfOpenSheet();
   generate::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 80 * kDegree;
   scene.model.target = generate::makeTessellation(shape).tiles;
+  return scene;
+}
+
+TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
+  const scene::Scene scene = openingSheet();
   const run::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
   const run::DeploymentResult tilted = deploy::deploy(turned(scene), 0.5, nullptr);
   EXPECT_EQ(level.needs.planar.reason, "start and target lie in horizontal planes");
@@ -93,6 +101,20 @@ TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
   EXPECT_EQ(level.outcome, tilted.outcome);
   ASSERT_EQ(level.trajectory.samples.size(), tilted.trajectory.samples.size());
   EXPECT_LT(farthest(level, tilted), 1e-9);  // measured 1.2e-10
+}
+
+// Gravity makes the scene spatial. The search for a path ignores gravity, and is planar.
+TEST(OwnAxes, ASearchWithoutGravityIsPlanarInAnyPlane) {
+  scene::Scene scene = openingSheet();
+  scene.environment.gravity = {0.3, -0.2, -1};
+  scene.stop.duration = 0.2;
+  const run::DeploymentResult level = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult tilted = deploy::deploy(turned(scene), 0.1, nullptr);
+  EXPECT_THAT(level.pathReason, HasSubstr("arrives without gravity"));
+  EXPECT_EQ(tilted.pathReason, level.pathReason);
+  EXPECT_EQ(tilted.needs.contacts.on, level.needs.contacts.on);
+  ASSERT_EQ(level.trajectory.samples.size(), tilted.trajectory.samples.size());
+  EXPECT_LT(farthest(level, tilted), 1e-7);  // measured 1.3e-8
 }
 
 TEST(OwnAxes, LigamentsWorkInAnyPlane) {
