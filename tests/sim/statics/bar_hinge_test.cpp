@@ -1,7 +1,11 @@
 // Bars and hinges: derivatives against finite differences, closed forms, rigid motions.
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -176,38 +180,61 @@ struct Waterbomb {
   std::vector<statics::NodeGrip> grips;
 };
 
-/// The equilibrium at the load 1, by plain Newton steps at 1500 fixed loads on the dense equations:
-/// energy, force, and the negative eigenvalues of the Hessian within the constraints.
+/// The equilibrium at the load 1, by plain Newton steps of equal length along the path on the dense
+/// equations: energy, force, loads at which the load turns back, and the negative eigenvalues of
+/// the Hessian within the constraints.
 struct PlainEnd {
   double energy = 0;
   double force = 0;
   int negatives = 0;
+  std::vector<double> limits;
 };
 
 PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
   const int n = sheet.unknowns(), m = sheet.rows();
-  Eigen::VectorXd q = sheet.startCoordinates(), before = q;
-  Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(m);
-  const Eigen::MatrixXd J = sheet.jacobian(q);
-  const int steps = 1500;
-  for (int step = 0; step <= steps; ++step) {
-    const double load = static_cast<double>(step) / steps;
-    const Eigen::VectorXd guess = 2 * q - before;
-    before = q;
-    q = guess;
+  const double length = 1e-3;
+  const Eigen::MatrixXd J = sheet.jacobian(sheet.startCoordinates());
+  // The coordinates, the multipliers, and the load.
+  Eigen::VectorXd now = Eigen::VectorXd::Zero(n + m + 1);
+  now.head(n) = sheet.startCoordinates();
+  // Newton's method; the last row keeps the product with a direction.
+  const auto close = [&](Eigen::VectorXd& at, const Eigen::VectorXd& direction) {
     for (int round = 0; round < 20; ++round) {
-      Eigen::VectorXd right(n + m);
-      right << -(sheet.gradient(q, load) + J.transpose() * multipliers), -sheet.residual(q, load);
-      if (right.norm() < 1e-9) break;
-      Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + m, n + m);
-      whole.topLeftCorner(n, n) = Eigen::MatrixXd(sheet.hessian(q, load, multipliers));
-      whole.topRightCorner(n, m) = J.transpose();
-      whole.bottomLeftCorner(m, n) = J;
-      const Eigen::VectorXd change = whole.partialPivLu().solve(right);
-      q += change.head(n);
-      multipliers += change.tail(m);
+      const Eigen::VectorXd q = at.head(n), multipliers = at.segment(n, m);
+      Eigen::VectorXd right = Eigen::VectorXd::Zero(n + m + 1);
+      right.head(n) = -(sheet.gradient(q, at[n + m]) + J.transpose() * multipliers);
+      right.segment(n, m) = -sheet.residual(q, at[n + m]);
+      if (right.norm() < 1e-9) return true;
+      Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + m + 1, n + m + 1);
+      whole.topLeftCorner(n, n) = Eigen::MatrixXd(sheet.hessian(q, at[n + m], multipliers));
+      whole.block(0, n, n, m) = J.transpose();
+      whole.block(n, 0, m, n) = J;
+      whole.col(n + m).head(n) = -sheet.pull(q);
+      whole.col(n + m).segment(n, m) = -sheet.motion();
+      whole.row(n + m) = direction;
+      at += whole.partialPivLu().solve(right);
     }
+    return false;
+  };
+  Eigen::VectorXd direction = Eigen::VectorXd::Unit(n + m + 1, n + m);  // keeps the load
+  PlainEnd end;
+  Eigen::VectorXd last = now;
+  last[n + m] = length;
+  EXPECT_TRUE(close(last, direction));
+  std::swap(now, last);
+  for (int step = 0; step < 10000 && now[n + m] < 1; ++step) {
+    Eigen::VectorXd along = now - last;
+    direction = along;
+    direction.segment(n, m).setZero();
+    along *= length / direction.norm();
+    last = now;
+    now += along;
+    EXPECT_TRUE(close(now, direction));
+    if ((now[n + m] - last[n + m]) * along[n + m] < 0) end.limits.push_back(last[n + m]);
   }
+  now += (1 - now[n + m]) / (now[n + m] - last[n + m]) * (now - last);
+  EXPECT_TRUE(close(now, Eigen::VectorXd::Unit(n + m + 1, n + m)));
+  const Eigen::VectorXd q = now.head(n), multipliers = now.segment(n, m);
   const Eigen::MatrixXd free = Eigen::FullPivLU<Eigen::MatrixXd>(J).kernel();
   const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(free).householderQ() *
                                 Eigen::MatrixXd::Identity(n, free.cols());
@@ -215,8 +242,10 @@ PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
       basis.transpose() * Eigen::MatrixXd(sheet.hessian(q, 1, multipliers)) * basis;
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(within).eigenvalues();
-  return {sheet.energy(q), sheet.force(0, 1, multipliers),
-          static_cast<int>((values.array() < 0).count())};
+  end.energy = sheet.energy(q);
+  end.force = sheet.force(0, 1, multipliers);
+  end.negatives = static_cast<int>((values.array() < 0).count());
+  return end;
 }
 
 // Steps to an arbitrary equilibrium jump to a branch of 450 times the energy here.
@@ -232,6 +261,72 @@ TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
       EXPECT_NEAR(end.energy, expected.energy, 1e-7 * expected.energy) << fold;
       EXPECT_NEAR(end.forces[0], expected.force, 1e-6 * std::abs(expected.force)) << fold;
       EXPECT_EQ(end.unstableModes, expected.negatives);
+    }
+  }
+}
+
+/// Twelve triangles of random shape and height between twelve nodes. An inner node is pressed down.
+struct RandomSheet {
+  explicit RandomSheet(unsigned seed) {
+    std::mt19937 random(seed);
+    const auto jitter = [&](double size) {
+      return size * (static_cast<double>(random()) / static_cast<double>(random.max()) - 0.5);
+    };
+    for (int k = 0; k < 12; ++k) {
+      const double x = k % 4 + jitter(0.5), y = k / 4 + jitter(0.5);
+      model.nodes.emplace_back(x, y, jitter(0.3));
+    }
+    std::map<std::pair<int, int>, std::vector<int>> opposite;  // nodes, of each edge
+    for (const int corner : {0, 1, 2, 4, 5, 6}) {
+      const bool isRising = random() % 2 == 0;
+      const std::array<int, 4> c = {corner, corner + 1, corner + 5, corner + 4};
+      for (const std::array<int, 3>& t : {std::array{c[0], c[1], c[isRising ? 2 : 3]},
+                                          std::array{c[isRising ? 0 : 1], c[2], c[3]}}) {
+        for (std::size_t k = 0; k < 3; ++k)
+          opposite[std::minmax(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+      }
+    }
+    const auto node = [&](int k) { return model.nodes[static_cast<std::size_t>(k)]; };
+    for (const auto& [edge, others] : opposite) {
+      const auto [i, j] = edge;
+      const double length = (node(j) - node(i)).norm();
+      model.bars.push_back({i, j, length, 2e4 / length});
+      if (others.size() < 2) continue;
+      const double rest = statics::foldAngle({node(i), node(j), node(others[0]), node(others[1])});
+      model.folds.push_back({{i, j, others[0], others[1]}, 0.05, rest});
+    }
+    grips.push_back({{{5}}, Vector3::UnitZ(), -0.3, false});
+    for (const int held : {0, 3, 8}) grips.push_back({{{held}}, Vector3::UnitZ(), 0, false});
+    for (const int held : {0, 3}) grips.push_back({{{held}}, Vector3::UnitY(), 0, false});
+    grips.push_back({{{0}}, Vector3::UnitX(), 0, false});
+  }
+  statics::BarHingeSheet sheet() const { return {model, grips}; }
+
+  statics::BarHingeModel model;
+  std::vector<statics::NodeGrip> grips;
+};
+
+// Sheet 6 turns back twice: at the loads 0.7235 and 0.1055.
+TEST(BarHingeSheets, OfRandomShapeHaveOnePathForAnyNumberOfStates) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const RandomSheet random(seed);
+    const PlainEnd expected = plainNewton(random.sheet());
+    for (const int states : {1, 10, 100}) {
+      const mechanics::LoadPath path =
+          mechanics::followLoad(random.sheet(), 0, {.minStates = states}, {});
+      ASSERT_TRUE(path.arrives) << path.trouble << seed;
+      const mechanics::Equilibrium& end = path.states.back();
+      EXPECT_NEAR(end.energy / expected.energy, 1, 1e-10) << seed;   // measured 2e-14
+      EXPECT_NEAR(end.forces[0] / expected.force, 1, 1e-7) << seed;  // measured 2e-9
+      EXPECT_EQ(end.unstableModes, expected.negatives) << seed;
+      std::vector<double> limits;
+      for (const mechanics::Equilibrium& state : path.states) {
+        if (state.turning == mechanics::Turning::LoadLimit) limits.push_back(state.load);
+      }
+      ASSERT_EQ(limits.size(), expected.limits.size()) << seed;
+      for (std::size_t k = 0; k < limits.size(); ++k) {
+        EXPECT_NEAR(limits[k], expected.limits[k], 2e-4) << seed;  // measured 8e-5
+      }
     }
   }
 }
