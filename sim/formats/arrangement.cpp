@@ -5,7 +5,7 @@
 #include "sim/formats/arrangement.h"
 
 #include <cmath>
-#include <set>
+#include <map>
 
 namespace kirireel::formats {
 
@@ -84,15 +84,19 @@ Arrangement::Arrangement(const std::vector<PlaneSegment>& segments, double toler
     split(i, node);
     split(j, node);
   });
-  std::set<std::pair<int, int>> known;
+  std::map<std::pair<int, int>, std::size_t> known;
   for (std::size_t k = 0; k < segments.size(); ++k) {
     std::sort(splits[k].begin(), splits[k].end());
     int last = ends[k].first;
     splits[k].emplace_back(0, ends[k].second);
     for (const auto& [place, node] : splits[k]) {
-      if (node != last && known.insert(std::minmax(last, node)).second) {
+      if (node == last) continue;
+      const auto [edge, isNew] = known.emplace(std::minmax(last, node), edges_.size());
+      if (isNew) {
         edges_.emplace_back(last, node);
+        segments_.emplace_back();
       }
+      segments_[edge->second].push_back(static_cast<int>(k));
       last = node;
     }
   }
@@ -163,6 +167,55 @@ std::vector<int> Arrangement::parts() const {
     ++count;
   }
   return part;
+}
+
+std::vector<bool> sheetCycles(const Arrangement& lines, const std::vector<bool>& isBoundary,
+                              double least) {
+  // Breadth first from the outside of all parts.
+  std::vector<std::optional<bool>> isSheet(lines.cycles().size());
+  std::vector<bool> isOutside;
+  std::vector<int> waiting;
+  for (int cycle = 0; cycle < std::ssize(isSheet); ++cycle) {
+    isOutside.push_back(lines.areaOf(cycle) <= least);
+  }
+  const auto set = [&](int cycle, bool value) {
+    if (isSheet[cycle] || isOutside[cycle]) return;
+    isSheet[cycle] = value;
+    waiting.push_back(cycle);
+  };
+  for (int half = 0; half < 2 * std::ssize(lines.edges()); ++half) {
+    if (isOutside[lines.cycleOf(half)]) set(lines.cycleOf(half ^ 1), true);
+  }
+  for (std::size_t k = 0; k < waiting.size(); ++k) {
+    const bool isOwn = *isSheet[waiting[k]];
+    for (const int half : lines.cycles()[waiting[k]]) {
+      set(lines.cycleOf(half ^ 1), isOwn != isBoundary[half / 2]);
+    }
+  }
+  std::vector<bool> known;
+  for (const std::optional<bool>& value : isSheet) known.push_back(value.value_or(false));
+  return known;
+}
+
+std::optional<std::pair<int, int>> faceAround(const Arrangement& lines,
+                                              const std::vector<bool>& isSheet) {
+  const std::vector<int> parts = lines.parts();
+  const auto firstOf = [&](int cycle) { return lines.from(lines.cycles()[cycle].front()); };
+  std::map<int, int> insideOf;  // a node of each part
+  for (int cycle = 0; cycle < std::ssize(isSheet); ++cycle) {
+    if (isSheet[cycle]) insideOf.emplace(parts[firstOf(cycle)], firstOf(cycle));
+  }
+  for (int face = 0; face < std::ssize(isSheet) && insideOf.size() > 1; ++face) {
+    if (!isSheet[face]) continue;
+    PlaneRing ring;
+    for (const int half : lines.cycles()[face]) ring.push_back(lines.at(lines.from(half)));
+    for (const auto& [part, node] : insideOf) {
+      if (part != parts[firstOf(face)] && isWithinRing(ring, lines.at(node))) {
+        return std::pair(firstOf(face), node);
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 namespace {

@@ -75,6 +75,8 @@ class Arrangement {
   std::optional<int> nodeAt(const Vector2& place) const { return numbers_.find(place); }
   /// Half edges that start at a node, anticlockwise.
   const std::vector<int>& leaving(int node) const { return leaving_[node]; }
+  /// The numbers of the segments that an edge is part of, ascending. Empty for given edges.
+  const std::vector<int>& segmentsOf(int edge) const { return segments_[edge]; }
   int from(int half) const { return half % 2 ? edges_[half / 2].second : edges_[half / 2].first; }
   int to(int half) const { return from(half ^ 1); }
   const Vector2& at(int node) const { return nodes_[node]; }
@@ -98,10 +100,22 @@ class Arrangement {
   PointNumbers numbers_{1, Vector2::Zero()};
   std::vector<Vector2> nodes_;
   std::vector<std::pair<int, int>> edges_;
+  std::vector<std::vector<int>> segments_;  // of edges
   std::vector<std::vector<int>> leaving_;
   std::vector<std::vector<int>> cycles_;
   std::vector<int> cycleOf_;
 };
+
+/// Whether the cycles are faces of sheets. A face next to the outside is. Of two other neighbours,
+/// exactly one is if their common edge is a boundary, else both or none. Cycles with an area up to
+/// `least` are the outside.
+std::vector<bool> sheetCycles(const Arrangement& lines, const std::vector<bool>& isBoundary,
+                              double least);
+
+/// A node of a sheet's face that has a separate part of the drawing inside, and a node of that
+/// part. Absent if there is none.
+std::optional<std::pair<int, int>> faceAround(const Arrangement& lines,
+                                              const std::vector<bool>& isSheet);
 
 /// Appends the sides of a closed polygon.
 inline void appendRing(const PlaneRing& ring, std::vector<PlaneSegment>& segments) {

@@ -252,31 +252,18 @@ class PlanarDrawing {
     return low < -tolerance() && high > tolerance();
   }
 
-  // Breadth first from the outside of all parts of the drawing.
   void findSheet() {
-    const int count = static_cast<int>(graph_.cycles().size());
-    for (int cycle = 0; cycle < count; ++cycle) {
+    for (int cycle = 0; cycle < std::ssize(graph_.cycles()); ++cycle) {
       isOutside_.push_back(graph_.areaOf(cycle) <= tolerance() * size_);
     }
-    std::vector<std::optional<bool>> isSheet(count);
-    std::vector<int> waiting;
-    const auto set = [&](int cycle, bool value) {
-      if (isSheet[cycle] || isOutside_[cycle]) return;
-      isSheet[cycle] = value;
-      waiting.push_back(cycle);
-    };
-    for (int half = 0; half < 2 * std::ssize(ends_); ++half) {
-      if (isOutside_[graph_.cycleOf(half)]) set(graph_.cycleOf(half ^ 1), true);
-    }
-    for (std::size_t k = 0; k < waiting.size(); ++k) {
-      const int cycle = waiting[k];
-      for (const int half : graph_.cycles()[cycle]) {
-        set(graph_.cycleOf(half ^ 1), *isSheet[cycle] != isBoundary_[half / 2]);
-      }
-    }
-    for (const std::optional<bool>& value : isSheet) isSheet_.push_back(value.value_or(false));
+    isSheet_ = sheetCycles(graph_, isBoundary_, tolerance() * size_);
     requireBoundariesAround();
-    requireNoIslands();
+    const auto around = faceAround(graph_, isSheet_);
+    if (!around) return;
+    throw fault(
+        fmt::format("the face at vertex {} has a separate drawing inside, at vertex {}. Tiles "
+                    "cannot have holes. Connect the two by an edge, or add faces_vertices",
+                    around->first, around->second));
   }
 
   // Boundary edges have the sheet on one side.
@@ -290,29 +277,6 @@ class PlanarDrawing {
           fmt::format("boundary edges (B) near vertex {} have the sheet on both sides. Give "
                       "cuts the letter C, or add faces_vertices",
                       ends_[edge].first));
-    }
-  }
-
-  // A part of the drawing that lies in a face of another part makes a hole in it.
-  void requireNoIslands() const {
-    const std::vector<int> parts = graph_.parts();
-    const auto firstOf = [&](int cycle) { return graph_.from(graph_.cycles()[cycle].front()); };
-    std::map<int, int> insideOf;  // a vertex of each part
-    for (int cycle = 0; cycle < std::ssize(isSheet_); ++cycle) {
-      if (isSheet_[cycle]) insideOf.emplace(parts[firstOf(cycle)], firstOf(cycle));
-    }
-    if (insideOf.size() < 2) return;
-    for (int face = 0; face < std::ssize(isSheet_); ++face) {
-      if (!isSheet_[face]) continue;
-      std::vector<Vector2> ring;
-      for (const int half : graph_.cycles()[face]) ring.push_back(places_[graph_.from(half)]);
-      for (const auto& [part, vertex] : insideOf) {
-        if (part == parts[firstOf(face)] || !isWithinRing(ring, places_[vertex])) continue;
-        throw fault(
-            fmt::format("the face at vertex {} has a separate drawing inside, at vertex {}. Tiles "
-                        "cannot have holes. Connect the two by an edge, or add faces_vertices",
-                        firstOf(face), vertex));
-      }
     }
   }
 

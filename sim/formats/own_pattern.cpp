@@ -8,16 +8,11 @@
 // 1. *Necks* are removed: cuts whose middle is the h of a hinge.
 // 2. *Ends* that a hinge shortened are moved back to its m: ends at its h, ends of its neck, and
 //    ends of a single line that points at an m (if several hinges shortened one side).
-// 3. *Cuts* have a tile on one side. A ray from the middle of a cut to its tile crosses an odd
-//    number of other cuts. Editors reverse and mirror lines, so their own directions do not count.
-// 4. *Tiles* are the cycles of directed sides. At a vertex the next side is the first one clockwise
-//    from the reverse of the incoming side. The tile's own corner lies between them.
-// 5. *Joints* connect two corners at m. The line of the hinge lies between the bisectors of their
-//    angles, and no other bisector does.
-//
-// Step 4 traces the faces of a planar straight-line graph, as in a doubly connected edge list (M.
-// de Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts are
-// traced in one direction. Slits have a tile on both sides.
+// 3. *Tiles* are the faces of these lines (arrangement.h). A region next to the outside is a tile.
+//    Of two neighbours across a cut, one is a tile. Two cuts at one place are a slit, which has a
+//    tile on both sides. Editors reverse and mirror lines, so their directions do not count.
+// 4. *Corners* of a tile are the nodes of its outline at which no single line continues.
+// 5. *Joints* connect the two tiles on both sides of the gap in which the line of the hinge lies.
 //
 // All tolerances are fractions of the pattern's size: 1e-7 for points, ten times that for ends
 // computed from a neck, a hundred times that for lines that point at a joint. In a drawing with
@@ -92,16 +87,6 @@ struct DrawnNeck {
   Vector2 middle;  ///< h
 };
 
-/// A directed side of a tile, with the tile on its left.
-struct DirectedSide {
-  int from = 0;
-  int to = 0;
-  int twin = -1;  ///< the same slit in the opposite direction; -1 for cuts
-  int tile = -1;
-  int vertex = -1;         ///< index of its start within its tile
-  bool isReverse = false;  ///< the second side of a slit
-};
-
 class PatternReader {
  public:
   PatternReader(const Drawing& drawing, const fs::path& file)
@@ -116,35 +101,36 @@ class PatternReader {
     if (!(tolerance_ > 0)) throw patternFault(file_, "the file has no lines of a sheet");
     takeNecks();
     restoreEnds();
-    orientCuts();
-    for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
-    for (int k = 0; k < std::ssize(sides_); ++k) {
-      // The reverse sides of slits come last, so tiles begin with their own lines.
-      if (!sides_[k].isReverse && sides_[k].tile < 0) traceTile(k);
-    }
-    for (int k = 0; k < std::ssize(sides_); ++k) {
-      if (sides_[k].tile < 0) traceTile(k);
-    }
+    findTiles();
   }
 
-  // One tile for each cycle, in tracing order.
-  std::vector<model::Tile> tiles() const {
-    std::vector<model::Tile> tiles;
-    for (const std::vector<int>& cycle : cycles_) {
-      model::Tile& tile = tiles.emplace_back();
-      for (const int side : cycle) {
-        const Vector2& point = points_[sides_[side].from];
+  /// The sheet, with a joint for each drawn hinge.
+  model::Model read() {
+    model::Model model;
+    // Joints first: their corners count, also if a line continues there.
+    std::vector<std::pair<int, int>> joined;  // half edges that start at the joint
+    for (const DrawnNeck& neck : necks_) {
+      joined.push_back(gapAt(neck));
+      isCorner_[joined.back().first] = isCorner_[joined.back().second] = true;
+    }
+    std::vector<model::Corner> cornerAt(isCorner_.size());
+    for (std::size_t cycle = 0; cycle < isTile_.size(); ++cycle) {
+      if (!isTile_[cycle]) continue;
+      model::Tile& tile = model.tiles.emplace_back();
+      for (const int half : sheet_.cycles()[cycle]) {
+        if (!isCorner_[half]) continue;
+        cornerAt[half] = {static_cast<int>(model.tiles.size()) - 1,
+                          static_cast<int>(tile.vertices.size())};
+        const Vector2& point = sheet_.at(sheet_.from(half));
         tile.vertices.emplace_back(point.x(), point.y(), 0);
       }
     }
-    return tiles;
-  }
-
-  // One joint for each drawn hinge.
-  std::vector<model::Joint> joints() {
-    std::vector<model::Joint> joints;
-    for (const DrawnNeck& neck : necks_) joints.push_back(jointAt(neck));
-    return joints;
+    for (std::size_t k = 0; k < necks_.size(); ++k) {
+      model::Joint& joint = model.joints.emplace_back(model::Joint{
+          cornerAt[joined[k].first], cornerAt[joined[k].second], model::JointFace::Both});
+      joint.neck.width = (necks_[k].middle - necks_[k].joint).norm();
+    }
+    return model;
   }
 
  private:
@@ -231,7 +217,7 @@ class PatternReader {
       ++uses[ends.add(line.to)];
     }
     for (const DrawnNeck& neck : necks_) points_.add(neck.joint);
-    for (const DrawnLine& line : lines_) {
+    for (DrawnLine& line : lines_) {
       const auto wholeEnd = [&](const Vector2& end, const Vector2& other) {
         const std::optional<int> known = shortened_.find(end);
         if (known && pointsAt(necks_[shortenedBy_[*known]].joint, other, end)) {
@@ -240,9 +226,11 @@ class PatternReader {
         const bool isLoose = uses[*ends.find(end)] == 1 && !points_.find(end);
         return isLoose ? jointAhead(end, other) : end;
       };
-      const Vector2 from = wholeEnd(line.from, line.to);
-      const Vector2 to = wholeEnd(line.to, line.from);
-      addSide(points_.add(from), points_.add(to), line.layer == LineLayer::Slits);
+      const int from = points_.add(wholeEnd(line.from, line.to));
+      const int to = points_.add(wholeEnd(line.to, line.from));
+      if (from == to) throw patternFault(file_, "a line has no length");
+      line.from = points_[from];
+      line.to = points_[to];
     }
   }
 
@@ -258,149 +246,74 @@ class PatternReader {
         file_, fmt::format("the line that ends at {} is not connected", drawing_.place(end)));
   }
 
-  // A slit becomes two sides, one for each tile. A cut has a tile on one side.
-  void addSide(int from, int to, bool isSlit) {
-    if (from == to) throw patternFault(file_, "a line has no length");
-    const int number = static_cast<int>(sides_.size());
-    sides_.push_back({from, to, isSlit ? number + 1 : -1, -1, -1});
-
-    if (!isSlit) return;
-    sides_.push_back({to, from, number, -1, -1, true});
-  }
-
-  /// Step 3: the tile is on the left. The drawn direction counts for sides along other cuts. Rays
-  /// are along x or y, whichever is farther from the cut's direction. Cuts sorted by their low ends
-  /// limit the search to those that a ray may meet.
-  void orientCuts() {
-    std::vector<DirectedSide*> cuts;
-    for (DirectedSide& side : sides_) {
-      if (side.twin < 0) cuts.push_back(&side);
+  /// Steps 3 and 4.
+  void findTiles() {
+    std::vector<PlaneSegment> segments;
+    for (const DrawnLine& line : lines_) segments.emplace_back(line.from, line.to);
+    sheet_ = Arrangement(segments, tolerance_);
+    const int edges = static_cast<int>(sheet_.edges().size());
+    std::vector<bool> isBoundary;
+    for (int edge = 0; edge < edges; ++edge) {
+      const auto& drawn = sheet_.segmentsOf(edge);
+      isBoundary.push_back(drawn.size() % 2 == 1 && lines_[drawn[0]].layer == LineLayer::Cuts);
     }
-    std::vector<DirectedSide*> reversed;
-    for (const int ray : {0, 1}) {
-      const int across = 1 - ray;
-      const auto lowEnd = [&](const DirectedSide* cut) {
-        return std::min(points_[cut->from][across], points_[cut->to][across]);
-      };
-      std::ranges::sort(cuts, {}, lowEnd);
-      double longest = 0;
-      for (const DirectedSide* cut : cuts) {
-        longest = std::max(longest, std::abs(alongOf(*cut)[across]));
-      }
-      for (DirectedSide* cut : cuts) {
-        const Vector2 along = alongOf(*cut);
-        const bool isSteep = std::abs(along.y()) > std::abs(along.x());
-        if (isSteep != (ray == 0)) continue;
-        const Vector2 middle = 0.5 * (points_[cut->from] + points_[cut->to]);
-        int crossings = 0;
-        bool isShared = false;
-        for (auto at = std::ranges::lower_bound(cuts, middle[across] - longest, {}, lowEnd);
-             at != cuts.end() && lowEnd(*at) <= middle[across]; ++at) {
-          const Vector2 a = points_[(*at)->from] - middle, b = points_[(*at)->to] - middle;
-          const double first = a[across], last = b[across];
-          if (*at == cut || (first > 0) == (last > 0)) continue;
-          const double ahead = a[ray] + first / (first - last) * (b - a)[ray];
-          isShared |= std::abs(ahead) <= tolerance_;
-          crossings += ahead > 0 ? 1 : 0;
-        }
-        // An odd number of crossings: the tile is on the side of the ray.
-        const bool isRayOnLeft = ray == 0 ? along.y() < 0 : along.x() > 0;
-        if (!isShared && (crossings % 2 == 1) != isRayOnLeft) reversed.push_back(cut);
+    isTile_ = sheetCycles(sheet_, isBoundary, 0);
+    isCorner_.assign(2 * edges, false);
+    for (const std::vector<int>& cycle : sheet_.cycles()) {
+      for (std::size_t k = 0; k < cycle.size(); ++k) {
+        const auto& before = sheet_.segmentsOf(cycle[(k + cycle.size() - 1) % cycle.size()] / 2);
+        isCorner_[cycle[k]] =
+            std::ranges::find_first_of(before, sheet_.segmentsOf(cycle[k] / 2)) == before.end();
       }
     }
-    for (DirectedSide* cut : reversed) std::swap(cut->from, cut->to);
+    const auto around = faceAround(sheet_, isTile_);
+    if (!around) return;
+    throw inputErrorAt(
+        {file_},
+        fmt::format("the lines around {} cut a hole into a tile. Tiles cannot have holes. Remove "
+                    "the hole, or divide the tile into hinged tiles without holes",
+                    drawing_.place(sheet_.at(around->second))));
   }
 
-  Vector2 alongOf(const DirectedSide& side) const { return points_[side.to] - points_[side.from]; }
-
-  /// Tolerance of the angle between two lines, radians.
-  double angleTolerance(const Vector2& a, const Vector2& b) const {
-    constexpr double kMinCorner = 0.02;
-    return std::min(tolerance_ / a.norm() + tolerance_ / b.norm(), kMinCorner);
-  }
-
-  /// The corner of a tile between the reverse of a side and the next side: (0, 2 pi].
-  double cornerBetween(const DirectedSide& incoming, const DirectedSide& next) const {
-    const Vector2 back = -alongOf(incoming), along = alongOf(next);
-    const double corner = angleOf(back) - angleOf(along);
-    const double least = angleTolerance(back, along);
-    return corner - kTurn * std::floor((corner - least) / kTurn);
-  }
-
-  /// Step 4.
-  int nextSide(int side) const {
-    const DirectedSide& incoming = sides_[side];
-    int best = -1;
-    double least = 2 * kTurn;
-    const auto found = leaving_.find(incoming.to);
-    if (found == leaving_.end()) return -1;
-    for (const int candidate : found->second) {
-      // The reverse of the incoming slit would turn back at its end.
-      if (candidate == incoming.twin) continue;
-      const double corner = cornerBetween(incoming, sides_[candidate]);
-      if (corner >= least) continue;
-      least = corner;
-      best = candidate;
-    }
-    return best;
-  }
-
-  // Follows sides until the first one comes again.
-  void traceTile(int first) {
-    std::vector<int> cycle;
-    int side = first;
-    do {
-      sides_[side].tile = static_cast<int>(cycles_.size());
-      sides_[side].vertex = static_cast<int>(cycle.size());
-      cycle.push_back(side);
-      side = nextSide(side);
-      // The line ends, another tile has this side, or the cycle is longer than any tile.
-      const bool isStray = side < 0 || (sides_[side].tile >= 0 && side != first) ||
-                           cycle.size() > model::kMaxTileVertices;
-      if (isStray) {
-        const Vector2& where = points_[sides_[cycle.back()].to];
-        throw patternFault(
-            file_, fmt::format("the lines around {} do not enclose tiles", drawing_.place(where)));
-      }
-    } while (side != first);
-    cycles_.push_back(std::move(cycle));
-  }
-
-  /// Step 5.
-  model::Joint jointAt(const DrawnNeck& neck) {
+  /// Step 5: half edges that start at the joint, of the two tiles next to the gap of a hinge. The
+  /// gap is where the line of the hinge is; a slit is a gap along a side of a tile.
+  std::pair<int, int> gapAt(const DrawnNeck& neck) const {
+    constexpr double kMinCorner = 0.02;  // radians
+    const InputError fault = patternFault(
+        file_, fmt::format("the hinge at {} does not join two tiles", drawing_.place(neck.joint)));
+    const std::optional<int> node = sheet_.nodeAt(neck.joint);
+    if (!node) throw fault;
+    const std::vector<int>& around = sheet_.leaving(*node);
+    const int count = static_cast<int>(around.size());
+    const auto at = [&](int k) { return around[(k + 2 * count) % count]; };
+    const auto isTile = [&](int k) { return isTile_[sheet_.cycleOf(at(k))]; };
     const Vector2 towards = neck.middle - neck.joint;
-    std::optional<model::Corner> before, after;
-    double minBefore = kTurn, minAfter = kTurn;
-    bool isInTile = false;
-    for (const int side : leaving_[*points_.find(neck.joint)]) {
-      const DirectedSide& leaving = sides_[side];
-      const model::Corner corner{leaving.tile, leaving.vertex};
-      const std::vector<int>& cycle = cycles_[leaving.tile];
-      const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
-      const double half = 0.5 * cornerBetween(sides_[last], leaving);
-      // Anticlockwise from the line of the hinge to the bisector.
-      const double turn = angleOf(alongOf(leaving)) + half - angleOf(towards);
-      const double gapAfter = turn - kTurn * std::floor(turn / kTurn);
-      const double gapBefore = kTurn - gapAfter;
-      isInTile |= std::min(gapBefore, gapAfter) <
-                  half - std::max(angleTolerance(towards, alongOf(leaving)),
-                                  angleTolerance(towards, alongOf(sides_[last])));
-      if (gapAfter < minAfter) {
-        minAfter = gapAfter;
-        after = corner;
-      }
-      if (gapBefore < minBefore) {
-        minBefore = gapBefore;
-        before = corner;
-      }
+    const auto alongOf = [&](int k) { return Vector2(sheet_.at(sheet_.to(at(k))) - neck.joint); };
+    // Anticlockwise from the hinge to a line.
+    const auto turnTo = [&](int k) {
+      const double turn = angleOf(alongOf(k)) - angleOf(towards);
+      return turn - kTurn * std::floor(turn / kTurn);
+    };
+    int after = 0;  // the first line after the hinge, with a tile or a gap after it
+    for (int k = 1; k < count; ++k) {
+      if (turnTo(k) < turnTo(after)) after = k;
     }
-    if (isInTile || !before || !after || before->tile == after->tile) {
-      throw patternFault(file_, fmt::format("the hinge at {} does not join two tiles",
-                                            drawing_.place(neck.joint)));
+    bool isBetween = true;
+    if (isTile(after - 1)) {
+      const double ahead = turnTo(after), behind = kTurn - turnTo(after - 1);
+      const Vector2 along = alongOf(ahead < behind ? after : after - 1);
+      const double most = tolerance_ / towards.norm() + tolerance_ / along.norm();
+      isBetween = std::min(ahead, behind) <= std::min(most, kMinCorner);
+      if (behind <= ahead) --after;
     }
-    model::Joint joint{*before, *after, model::JointFace::Both};
-    joint.neck.width = (neck.middle - neck.joint).norm();
-    return joint;
+    int before = after - 1;
+    for (int k = 1; k < count && !isTile(before); ++k) --before;
+    for (int k = 1; k < count && !isTile(after); ++k) ++after;
+    if (isBetween && isTile(before) && isTile(after) &&
+        sheet_.cycleOf(at(before)) != sheet_.cycleOf(at(after))) {
+      return {at(before), at(after)};
+    }
+    throw fault;
   }
 
   std::vector<DrawnLine> lines_;
@@ -414,50 +327,10 @@ class PatternReader {
   PointNumbers shortened_{1, {0, 0}};
   std::vector<int> shortenedBy_;
   PointNumbers points_;  // of the sheet
-  std::vector<DirectedSide> sides_;
-  std::unordered_map<int, std::vector<int>> leaving_;  // sides by their start point
-  std::vector<std::vector<int>> cycles_;
+  Arrangement sheet_;
+  std::vector<bool> isTile_;    // of cycles
+  std::vector<bool> isCorner_;  // of half edges: whether their start is a corner of the tile
 };
-
-std::vector<Vector2> ringOf(const model::Tile& tile) {
-  std::vector<Vector2> ring;
-  for (const Vector3& vertex : tile.vertices) ring.push_back(vertex.head<2>());
-  return ring;
-}
-
-/// In a flat sheet, closed lines within a tile are the outline of a hole.
-void refuseHoles(const std::vector<model::Tile>& tiles, double tolerance, const Drawing& drawing,
-                 const fs::path& file) {
-  struct ViewPlace {
-    int tile = 0;
-    Eigen::AlignedBox2d box;
-  };
-  std::vector<ViewPlace> places;  // from the left
-  for (int i = 0; i < std::ssize(tiles); ++i) {
-    ViewPlace& place = places.emplace_back();
-    place.tile = i;
-    for (const Vector3& vertex : tiles[i].vertices) place.box.extend(vertex.head<2>());
-  }
-  std::ranges::stable_sort(places, {}, [](const ViewPlace& place) { return place.box.min().x(); });
-  const Vector2 margin = Vector2::Constant(tolerance);
-  for (auto inner = places.begin(); inner != places.end(); ++inner) {
-    const Eigen::AlignedBox2d wide(inner->box.min() - margin, inner->box.max() + margin);
-    const std::vector<Vector3>& outline = tiles[inner->tile].vertices;
-    for (auto outer = places.begin(); outer != inner; ++outer) {
-      const model::Tile& around = tiles[outer->tile];
-      const bool isHole =
-          outer->box.contains(wide) && std::ranges::all_of(outline, [&](const Vector3& vertex) {
-            return isWithinRing(ringOf(around), vertex.head<2>());
-          });
-      if (!isHole) continue;
-      throw inputErrorAt(
-          {file},
-          fmt::format("the lines around {} cut a hole into a tile. Tiles cannot have holes. Remove "
-                      "the hole, or divide the tile into hinged tiles without holes",
-                      drawing.place(outline[0].head<2>())));
-    }
-  }
-}
 
 }  // namespace
 
@@ -483,15 +356,11 @@ bool isOwnPattern(const Drawing& drawing) {
 
 model::Model ownPattern(const Drawing& drawing, const fs::path& file,
                         std::vector<std::string>& warnings) {
-  PatternReader reader(drawing, file);
-  model::Model model;
+  model::Model model = PatternReader(drawing, file).read();
   model.name = file.stem().string();
-  model.tiles = reader.tiles();
   if (model.tiles.empty()) throw patternFault(file, "the file has no tiles");
   const TileTable table = patternTable(file, model.tiles);
   checkTiles(table);
-  refuseHoles(model.tiles, kSamePatternPoint * model::modelSize(model), drawing, file);
-  model.joints = reader.joints();
   turnClockwiseTiles(table, model, warnings);
   return model;
 }
