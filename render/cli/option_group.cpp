@@ -125,19 +125,14 @@ void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
 
 void OptionGroup::number(const std::string& name, double& target, scene::Range range,
                          const std::string& unit, const std::string& help) {
-  value(name, unit, fmt::format("{:.4g}", target), help,
-        [&target, range](const scene::TypedValue& typed) {
-          target = scene::parseNumber(typed, range);
-        })
-      .serializedAs([&target] { return scene::numberText(target); });
+  stored(name, target, unit, fmt::format("{:.4g}", target), help, numberIn(range),
+         scene::numberText);
 }
 
 void OptionGroup::number(const std::string& name, std::optional<double>& target, scene::Range range,
                          const std::string& unit, const std::string& defaultText,
                          const std::string& help) {
-  value(name, unit, defaultText, help, [&target, range](const scene::TypedValue& typed) {
-    target = scene::parseNumber(typed, range);
-  }).serializedAs([&target] { return target ? scene::numberText(*target) : ""; });
+  stored(name, target, unit, defaultText, help, numberIn(range), scene::numberText);
 }
 
 void OptionGroup::printLength(const std::string& name, double& target, const std::string& unit,
@@ -146,11 +141,8 @@ void OptionGroup::printLength(const std::string& name, double& target, const std
   std::ranges::transform(capitals, capitals.begin(), [](char letter) {
     return static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
   });
-  value(name, capitals, fmt::format("{:.4g}", target), help,
-        [&target, unit, range](const scene::TypedValue& typed) {
-          target = parseLength(typed, unit, range);
-        })
-      .serializedAs([&target] { return scene::numberText(target); });
+  stored(name, target, capitals, fmt::format("{:.4g}", target), help, lengthIn(unit, range),
+         scene::numberText);
 }
 
 OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
@@ -476,6 +468,14 @@ std::string spellOptions(const std::string& message) {
   return text.append(rest, message.cend());
 }
 
+std::string wordsText(const std::vector<std::string>& words) {
+  return scene::quotedText(fmt::format("{}", fmt::join(words, ",")));
+}
+
+std::string positiveText(double number) {
+  return number > 0 ? scene::numberText(number) : "";
+}
+
 std::string sizeText(picture::FrameSize size) {
   return fmt::format("\"{}x{}\"", size.width, size.height);
 }
@@ -493,7 +493,7 @@ std::string frameChoicesText(const std::vector<record::FrameChoice>& choices) {
                                   '%'
                             : scene::numberText(value));
   }
-  return scene::quotedText(fmt::format("{}", fmt::join(texts, ",")));
+  return wordsText(texts);
 }
 
 std::string colourText(picture::Colour colour) {
@@ -540,7 +540,7 @@ std::string cameraKeysText(const std::vector<picture::CameraKey>& keys) {
     const TypedView view = typedView(key.view);
     texts.push_back(fmt::format("{}:{}:{}:{}", key.time, view.yaw, view.pitch, key.zoom));
   }
-  return scene::quotedText(fmt::format("{}", fmt::join(texts, ",")));
+  return wordsText(texts);
 }
 
 std::string captionText(const picture::CaptionParts& parts) {
@@ -548,7 +548,7 @@ std::string captionText(const picture::CaptionParts& parts) {
   for (const auto& [word, part] : captionChoices()) {
     if (parts.*part) words.push_back(word);
   }
-  return words.empty() ? "\"none\"" : fmt::format("\"{}\"", fmt::join(words, ","));
+  return words.empty() ? "\"none\"" : wordsText(words);
 }
 
 std::string tilesText(const std::vector<int>& tiles) {

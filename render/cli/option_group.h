@@ -40,6 +40,23 @@ picture::FrameSize parseSize(const scene::TypedValue& value);
 /// length in `unit`, which is also the unit of the range.
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range);
 
+/// Readers of a number, a whole number, a length in print (parseLength), and of any text.
+inline auto numberIn(scene::Range range) {
+  return [range](const scene::TypedValue& typed) { return scene::parseNumber(typed, range); };
+}
+template <typename Integer = int>
+auto integerIn(scene::Range range) {
+  return [range](const scene::TypedValue& typed) {
+    return static_cast<Integer>(scene::parseInteger(typed, range));
+  };
+}
+inline auto lengthIn(const std::string& unit, scene::Range range) {
+  return [unit, range](const scene::TypedValue& typed) { return parseLength(typed, unit, range); };
+}
+inline std::string asTyped(const scene::TypedValue& typed) {
+  return typed.text;
+}
+
 /// "3x4": rows x columns, each 1 to 100.
 picture::GridShape parseGrid(const scene::TypedValue& value);
 
@@ -89,6 +106,11 @@ std::string optionName(const std::string& key);
 std::string spellOptions(const std::string& message);
 
 /// The functions below write values as in a scene file; the functions above read them.
+
+/// Words with commas, in quotation marks; "" without words.
+std::string wordsText(const std::vector<std::string>& words);
+/// A number > 0; "" for others.
+std::string positiveText(double number);
 
 /// "1280x720" in quotation marks.
 std::string sizeText(picture::FrameSize size);
@@ -165,6 +187,32 @@ class OptionGroup {
   Statement values(const std::string& name, const std::string& unit, const std::string& help,
                    const Reader& read);
 
+  /// An option that sets a variable. `read` converts the text. `write` converts the variable, or
+  /// the value of an optional one, as in a scene file. Without a value nothing is written.
+  template <typename Target, typename Read, typename Write>
+  Statement stored(const std::string& name, Target& target, const std::string& unit,
+                   const std::string& defaultText, const std::string& help, const Read& read,
+                   const Write& write) {
+    return value(name, unit, defaultText, help,
+                 [&target, read](const scene::TypedValue& typed) { target = read(typed); })
+        .serializedAs([&target, write]() -> std::string {
+          if constexpr (std::is_invocable_v<Write, const Target&>) {
+            return write(target);
+          } else {
+            return target ? write(*target) : "";
+          }
+        });
+  }
+
+  /// An option that may be given several times and appends to a list. `write` converts the list.
+  template <typename Entry, typename Read, typename Write>
+  Statement appended(const std::string& name, std::vector<Entry>& list, const std::string& unit,
+                     const std::string& help, const Read& read, const Write& write) {
+    return values(name, unit, help,
+                  [&list, read](const scene::TypedValue& typed) { list.push_back(read(typed)); })
+        .serializedAs([&list, write] { return write(list); });
+  }
+
   /// A setting of a scene. Name, unit, help, reader and writer are those of the setting. The scene
   /// must outlive the parsing.
   void setting(const scene::Setting& setting, scene::Scene& scene);
@@ -174,7 +222,7 @@ class OptionGroup {
   void number(const std::string& name, double& target, scene::Range range, const std::string& unit,
               const std::string& help);
 
-  /// A number that may be absent, and is then as `defaultText` says.
+  /// A number that may be absent; `defaultText` describes its effect then.
   void number(const std::string& name, std::optional<double>& target, scene::Range range,
               const std::string& unit, const std::string& defaultText, const std::string& help);
 
@@ -186,11 +234,8 @@ class OptionGroup {
   template <typename Integer>
   void integer(const std::string& name, Integer& target, scene::Range range,
                const std::string& unit, const std::string& help) {
-    value(name, unit, fmt::format("{}", target), help,
-          [&target, range](const scene::TypedValue& typed) {
-            target = static_cast<Integer>(scene::parseInteger(typed, range));
-          })
-        .serializedAs([&target] { return fmt::format("{}", target); });
+    stored(name, target, unit, fmt::format("{}", target), help, integerIn<Integer>(range),
+           [](Integer number) { return fmt::format("{}", number); });
   }
 
   /// One of several words; the first is the default.
@@ -199,13 +244,16 @@ class OptionGroup {
   Statement choice(const std::string& name, Target& target, const scene::Choices<T>& choices,
                    const std::string& help) {
     const std::vector<std::string> words = scene::choiceNames(choices);
-    return value(name, "WORD", words.front(), fmt::format("{}: {}", help, scene::listWords(words)),
-                 [&target, choices](const scene::TypedValue& typed) {
-                   target = scene::parseChoice(typed, choices);
-                 })
-        .accepts(words)
-        .serializedAs(
-            [&target, choices] { return scene::quotedText(scene::nameOfChoice(choices, target)); });
+    return stored(
+               name, target, "WORD", words.front(),
+               fmt::format("{}: {}", help, scene::listWords(words)),
+               [choices](const scene::TypedValue& typed) {
+                 return scene::parseChoice(typed, choices);
+               },
+               [choices](const Target& chosen) {
+                 return scene::quotedText(scene::nameOfChoice(choices, chosen));
+               })
+        .accepts(words);
   }
 
   /// An option without a value, which sets the variable to `given`. It is written as true if the

@@ -13,9 +13,9 @@
 
 namespace kirireel::cli {
 
-std::vector<std::string> parseWords(const std::string& text) {
+std::vector<std::string> parseWords(const scene::TypedValue& value) {
   std::vector<std::string> words;
-  std::istringstream list(text);
+  std::istringstream list(value.text);
   for (std::string word; std::getline(list, word, ',');) words.push_back(word);
   return words;
 }
@@ -23,7 +23,7 @@ std::vector<std::string> parseWords(const std::string& text) {
 std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
                                             const scene::Choices<picture::PageFormat>& choices) {
   std::vector<picture::PageFormat> pages;
-  for (const std::string& word : parseWords(value.text)) {
+  for (const std::string& word : parseWords(value)) {
     const auto format = scene::parseChoice<picture::PageFormat>({value.name, word}, choices);
     if (std::ranges::find(pages, format) == pages.end()) pages.push_back(format);
   }
@@ -32,14 +32,23 @@ std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
 
 namespace {
 
+const scene::Choices<picture::PageFormat>& vectorFormats() {
+  static const scene::Choices<picture::PageFormat> choices = {{"svg", picture::PageFormat::Svg},
+                                                              {"pdf", picture::PageFormat::Pdf}};
+  return choices;
+}
+
+std::vector<picture::PageFormat> parseVectorPages(const scene::TypedValue& value) {
+  return parsePages(value, vectorFormats());
+}
+
 /// As in a scene file: "svg,pdf" in quotation marks.
 std::string pagesText(const std::vector<picture::PageFormat>& pages) {
-  std::string text;
+  std::vector<std::string> words;
   for (const picture::PageFormat page : pages) {
-    text +=
-        (text.empty() ? "" : ",") + std::string(page == picture::PageFormat::Svg ? "svg" : "pdf");
+    words.push_back(scene::nameOfChoice(vectorFormats(), page));
   }
-  return scene::quotedText(text);
+  return wordsText(words);
 }
 
 /// The value of `--letters` without a word; true in a scene file.
@@ -66,32 +75,18 @@ std::string lettersText(picture::PanelLetters letters) {
 }  // namespace
 
 void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
-  group
-      .value("--width", "MM", "by --size",
-             "width of the grid in print, such as 180mm; at --dpi, else 300 dpi",
-             [&](const scene::TypedValue& typed) {
-               settings.gridWidth = parseLength(typed, "mm", {1, 10000});
-             })
-      .serializedAs(
-          [&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
-  group
-      .value("--font-size", "PT", "7pt; without --width by the pictures' size",
-             "size of the grid's text in print",
-             [&](const scene::TypedValue& typed) {
-               settings.fontPoints = parseLength(typed, "pt", {1, 200});
-             })
-      .serializedAs(
-          [&] { return settings.fontPoints ? scene::numberText(*settings.fontPoints) : ""; });
-  group
-      .value("--font", "NAME", "DejaVu Sans", "family of all text, from fc-list",
-             [&](const scene::TypedValue& typed) { settings.font = typed.text; })
-      .serializedAs([&] { return scene::quotedText(settings.font); });
-  group
-      .value("--letters", "[WORD]", "none",
-             "letters (a), (b), ... above the grid's pictures; WORD a, (a) or A: bold; in a figure "
-             "of several runs one per row",
-             [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
-      .serializedAs([&] { return lettersText(settings.letters); });
+  group.stored("--width", settings.gridWidth, "MM", "by --size",
+               "width of the grid in print, such as 180mm; at --dpi, else 300 dpi",
+               lengthIn("mm", {1, 10000}), scene::numberText);
+  group.stored("--font-size", settings.fontPoints, "PT",
+               "7pt; without --width by the pictures' size", "size of the grid's text in print",
+               lengthIn("pt", {1, 200}), scene::numberText);
+  group.stored("--font", settings.font, "NAME", "DejaVu Sans", "family of all text, from fc-list",
+               asTyped, scene::quotedText);
+  group.stored("--letters", settings.letters, "[WORD]", "none",
+               "letters (a), (b), ... above the grid's pictures; WORD a, (a) or A: bold; in a "
+               "figure of several runs one per row",
+               parseLetters, lettersText);
   group.number("--dpi", settings.dotsPerInch, {1, 100000}, "COUNT", "not stored",
                "dots per inch stored in PNG files, for print");
 }
@@ -104,20 +99,14 @@ void addRowOptions(OptionGroup& group, record::PictureSettings& settings) {
 }
 
 void addGridOptions(OptionGroup& group, record::PictureSettings& settings) {
-  group
-      .value("--size", "WxH", "1280x720", "size of each picture, pixels",
-             [&](const scene::TypedValue& typed) { settings.size = parseSize(typed); })
-      .serializedAs([&] { return sizeText(settings.size); });
-  group
-      .value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
-             [&](const scene::TypedValue& typed) { settings.grid = parseGrid(typed); })
-      .serializedAs([&] { return gridText(settings.grid); });
-  group
-      .value("--captions", "PARTS", "progress, at real pace time",
-             "captions of the grid's pictures, and if given of the video: progress, time, angle, "
-             "error, gap; or none",
-             [&](const scene::TypedValue& typed) { settings.captions = parseCaption(typed); })
-      .serializedAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
+  group.stored("--size", settings.size, "WxH", "1280x720", "size of each picture, pixels",
+               parseSize, sizeText);
+  group.stored("--grid", settings.grid, "RxC", "3x3", "rows and columns of the snapshot grid",
+               parseGrid, gridText);
+  group.stored("--captions", settings.captions, "PARTS", "progress, at real pace time",
+               "captions of the grid's pictures, and if given of the video: progress, time, angle, "
+               "error, gap; or none",
+               parseCaption, captionText);
   group.flag("--scale-bar", settings.scaleBar,
              "a bar of length below the grid and the video; needs a parallel projection");
   group.choice<record::SnapshotSpacing>(
@@ -126,46 +115,31 @@ void addGridOptions(OptionGroup& group, record::PictureSettings& settings) {
       "spacing of the grid's pictures, in equal steps of motion or of time");
   group.flag("--arrows", settings.arrows,
              "arrows from each of the grid's pictures to the next in its row");
-  group
-      .value(
-          "--column-heads", "LIST", "none",
-          "headers of the grid's columns instead of captions, separated by commas: flat,half,open",
-          [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
-      .serializedAs([&] {
-        return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
-      });
+  group.stored(
+      "--column-heads", settings.columnHeads, "LIST", "none",
+      "headers of the grid's columns instead of captions, separated by commas: flat,half,open",
+      parseWords, wordsText);
 }
 
 void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Pictures", "recording");
   addGridOptions(group, settings);
   addPrintOptions(group, settings);
-  group
-      .value("--figure", "LIST", "none",
-             "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
-             [&](const scene::TypedValue& typed) {
-               settings.pages = parsePages(
-                   typed, {{"svg", picture::PageFormat::Svg}, {"pdf", picture::PageFormat::Pdf}});
-             })
-      .serializedAs([&] { return pagesText(settings.pages); });
+  group.stored("--figure", settings.pages, "LIST", "none",
+               "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
+               parseVectorPages, pagesText);
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
-  group
-      .value(
-          "--frames-at", "LIST", "none",
-          "the same for some moments only: seconds, or fractions of the motion, such as "
-          "0,1.5,50%,100%",
-          [&](const scene::TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
-      .serializedAs([&] { return frameChoicesText(settings.chosenFrames); });
+  group.stored("--frames-at", settings.chosenFrames, "LIST", "none",
+               "the same for some moments only: seconds, or fractions of the motion, such as "
+               "0,1.5,50%,100%",
+               parseFrameChoices, frameChoicesText);
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
       // The number of painters changes no byte, so it is not part of the fingerprint.
-      .value("--painters", "COUNT", "one for each core",
-             "threads that paint frames at the same time",
-             [&](const scene::TypedValue& typed) {
-               settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
-             })
+      .stored("--painters", settings.painterCount, "COUNT", "one for each core",
+              "threads that paint frames at the same time", integerIn({1, 64}), scene::numberText)
       .excludeFromFingerprint();
   // Both libraries draw the same.
   group
@@ -185,11 +159,6 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
 // the same double. A scene file made from an order gives the same pictures to the last bit.
 
 namespace {
-
-/// "" for the colour of the theme.
-std::string serializedColour(const std::optional<picture::Colour>& colour) {
-  return colour ? colourText(*colour) : "";
-}
 
 /// The quantity of the colours, and their scale.
 void addScaleOptions(OptionGroup& group, picture::Appearance& appearance) {
@@ -219,48 +188,27 @@ void addScaleOptions(OptionGroup& group, picture::Appearance& appearance) {
 
 /// Colours are names of CSS or six hexadecimal digits.
 void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
-  group
-      .value("--brick-colour", "COLOUR", "80AEDC",
-             "colour of all bricks, with --colour plain; a name such as teal, or RRGGBB",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.brickColour = parseColour(typed);
-             })
-      .serializedAs([&appearance] { return serializedColour(appearance.brickColour); });
-  group
-      .value("--back-colour", "COLOUR", "7E92A6", "colour of their other side, with --colour plain",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.backColour = parseColour(typed);
-             })
-      .serializedAs([&appearance] { return serializedColour(appearance.backColour); });
-  group
-      .values("--tile-colour", "[NAME:]TILES=COLOUR",
-              "colour of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in "
-              "the legend; with --colour plain, shape or state",
-              [&appearance](const scene::TypedValue& typed) {
-                appearance.tileColours.push_back(parseTileColour(typed));
-              })
-      .serializedAs([&appearance] { return tileColoursText(appearance.tileColours); });
+  const auto colour = [&group](const char* name, std::optional<picture::Colour>& target,
+                               const char* defaultText, const char* help) {
+    group.stored(name, target, "COLOUR", defaultText, help, parseColour, colourText);
+  };
+  colour("--brick-colour", appearance.brickColour, "80AEDC",
+         "colour of all bricks, with --colour plain; a name such as teal, or RRGGBB");
+  colour("--back-colour", appearance.backColour, "7E92A6",
+         "colour of their other side, with --colour plain");
+  group.appended(
+      "--tile-colour", appearance.tileColours, "[NAME:]TILES=COLOUR",
+      "colour of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in "
+      "the legend; with --colour plain, shape or state",
+      parseTileColour, tileColoursText);
   group.number("--opacity", appearance.opacity, {0, 1}, "SHARE",
                "opacity of all bricks, 0 hides them; their hidden sides are not drawn");
-  group
-      .values("--tile-opacity", "TILES=SHARE",
-              "opacity of some tiles, as in 3,7,10-15=0.3, with any --colour",
-              [&appearance](const scene::TypedValue& typed) {
-                appearance.tileOpacities.push_back(parseTileOpacity(typed));
-              })
-      .serializedAs([&appearance] { return tileOpacitiesText(appearance.tileOpacities); });
-  group
-      .value("--outline-colour", "COLOUR", "263242", "colour of the lines on the edges of tiles",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.outlineColour = parseColour(typed);
-             })
-      .serializedAs([&appearance] { return serializedColour(appearance.outlineColour); });
-  group
-      .value("--background", "COLOUR", "by --theme", "colour of the background",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.background = parseColour(typed);
-             })
-      .serializedAs([&appearance] { return serializedColour(appearance.background); });
+  group.appended("--tile-opacity", appearance.tileOpacities, "TILES=SHARE",
+                 "opacity of some tiles, as in 3,7,10-15=0.3, with any --colour", parseTileOpacity,
+                 tileOpacitiesText);
+  colour("--outline-colour", appearance.outlineColour, "263242",
+         "colour of the lines on the edges of tiles");
+  colour("--background", appearance.background, "by --theme", "colour of the background");
 }
 
 /// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. A single width is that between
@@ -268,7 +216,7 @@ void addColourOptions(OptionGroup& group, picture::Appearance& appearance) {
 picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   picture::OutlineWidths widths;
   const double ratio = widths.silhouettes / widths.slits;
-  const std::vector<std::string> words = parseWords(value.text);
+  const std::vector<std::string> words = parseWords(value);
   if (words.size() < 2 && scene::readNumber(value.text)) {
     const double factor = scene::parseNumber(value, {0.1, 20});
     return {factor * widths.slits, factor * widths.silhouettes};
@@ -297,45 +245,34 @@ void addDrawingOptions(CLI::App& command, picture::Appearance& appearance) {
   group.flag("--transparent", appearance.transparent,
              "no background in PNG files and in videos with alpha");
   group.flag("--no-outlines", appearance.outlines, "no lines on the edges of tiles", false);
-  group
-      .value(
-          "--outline-width", "PT[,PT]", "0.5pt,0.75pt",
-          "width in print of the lines between tiles, and of other lines; a number without pt is "
-          "a factor",
-          [&appearance](const scene::TypedValue& typed) {
-            appearance.outlineWidths = parseOutlineWidths(typed);
-          })
-      .serializedAs([&appearance] {
-        return scene::quotedText(scene::numberText(appearance.outlineWidths.slits) + "pt," +
-                                 scene::numberText(appearance.outlineWidths.silhouettes) + "pt");
+  group.stored(
+      "--outline-width", appearance.outlineWidths, "PT[,PT]", "0.5pt,0.75pt",
+      "width in print of the lines between tiles, and of other lines; a number without pt is "
+      "a factor",
+      parseOutlineWidths, [](const picture::OutlineWidths& widths) {
+        return fmt::format("\"{}pt,{}pt\"", widths.slits, widths.silhouettes);
       });
   group.flag("--mark-joints", appearance.jointMarks, "a dot on each joint");
   group.flag("--target-lines", appearance.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
-  group
-      .values("--trail", "TILE,VERTEX",
-              "path of this vertex until each picture, as a line, dashed where bricks hide it",
-              [&appearance](const scene::TypedValue& typed) {
-                const auto corner = parseIndices(typed, 2, "tile, vertex, as in 3,0");
-                appearance.trails.push_back({corner[0], corner[1]});
-              })
-      .serializedAs([&appearance] {
+  group.appended(
+      "--trail", appearance.trails, "TILE,VERTEX",
+      "path of this vertex until each picture, as a line, dashed where bricks hide it",
+      [](const scene::TypedValue& typed) {
+        const auto corner = parseIndices(typed, 2, "tile, vertex, as in 3,0");
+        return picture::TracedVertex{corner[0], corner[1]};
+      },
+      [](const std::vector<picture::TracedVertex>& trails) {
         std::vector<std::array<int, 2>> corners;
-        for (const auto& [tile, vertex] : appearance.trails) corners.push_back({tile, vertex});
+        for (const auto& [tile, vertex] : trails) corners.push_back({tile, vertex});
         return listsText(corners);
       });
   group.choice<picture::Ghost>("--ghost", appearance.ghost,
                                {picture::kGhosts.begin(), picture::kGhosts.end()},
                                "state drawn with every picture as pale transparent bricks");
-  group
-      .value("--depth-cue", "SHARE", "0",
-             "share of the background's colour in the farthest tiles of the run, 0 to 1",
-             [&appearance](const scene::TypedValue& typed) {
-               appearance.depthCue = scene::parseNumber(typed, {0, 1});
-             })
-      .serializedAs([&appearance] {
-        return appearance.depthCue > 0 ? scene::numberText(appearance.depthCue) : "";
-      });
+  group.stored("--depth-cue", appearance.depthCue, "SHARE", "0",
+               "share of the background's colour in the farthest tiles of the run, 0 to 1",
+               numberIn({0, 1}), positiveText);
   group.number(
       "--occlusion", appearance.occlusion, {0, 1}, "SHARE", "0.6",
       "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "
@@ -365,14 +302,16 @@ std::optional<picture::ViewAngles> parseView(
   return view;
 }
 
-/// "45,30": the shortest degrees that read back to the same angles.
+/// The shortest degrees that read back to the same angle.
+std::string degreesText(double angle) {
+  return scene::numberText(
+      scene::numberReadAs(angle, angle / kDegree, [](double typed) { return typed * kDegree; }));
+}
+
+/// "45,30", or "45,30,10".
 std::string anglesText(const picture::ViewAngles& view) {
-  const auto degrees = [](double angle) {
-    return scene::numberText(
-        scene::numberReadAs(angle, angle / kDegree, [](double typed) { return typed * kDegree; }));
-  };
-  return degrees(view.azimuth) + "," + degrees(view.elevation) +
-         (view.roll != 0 ? "," + degrees(view.roll) : "");
+  return degreesText(view.azimuth) + "," + degreesText(view.elevation) +
+         (view.roll != 0 ? "," + degreesText(view.roll) : "");
 }
 
 /// Each reader keeps its own copy of `views`.
@@ -387,19 +326,16 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
       {"left", picture::kLeftView},
       {"iso", picture::kIsometricView},
       {"oblique", picture::kObliqueView}};
-  group
-      .value(
-          "--view", "WORD|AZ,EL[,ROLL]", "auto",
-          fmt::format(
-              "position of the camera: {}; auto shows most of the tiles over the motion; or "
-              "azimuth, elevation and roll in degrees, -90,0 is from the front, -90,90 from above",
-              scene::listWords(scene::choiceNames(views))),
-          [&camera, views](const scene::TypedValue& typed) {
-            camera.view = parseView(typed, views);
-          })
-      .serializedAs([&camera, views] {
-        const std::string name = scene::nameOfChoice(views, camera.view);
-        return scene::quotedText(name.empty() ? anglesText(*camera.view) : name);
+  group.stored(
+      "--view", camera.view, "WORD|AZ,EL[,ROLL]", "auto",
+      fmt::format(
+          "position of the camera: {}; auto shows most of the tiles over the motion; or "
+          "azimuth, elevation and roll in degrees, -90,0 is from the front, -90,90 from above",
+          scene::listWords(scene::choiceNames(views))),
+      [views](const scene::TypedValue& typed) { return parseView(typed, views); },
+      [views](const std::optional<picture::ViewAngles>& view) {
+        const std::string name = scene::nameOfChoice(views, view);
+        return scene::quotedText(name.empty() ? anglesText(*view) : name);
       });
 }
 
@@ -422,21 +358,15 @@ void addCameraOptions(CLI::App& command, picture::Appearance& appearance) {
                                    {"run", picture::FitScope::Run},
                                    {"ends", picture::FitScope::Ends}},
                                   "part that stays in view, the whole run or its start and target");
-  group
-      .value("--orbit", "DEGREES", "0", "rotation of the camera about z over the run",
-             [&camera](const scene::TypedValue& typed) {
-               camera.orbit = scene::parseNumber(typed, {-36000, 36000}) * kDegree;
-             })
-      .serializedAs([&camera] {
-        return scene::numberText(
-            scene::numberReadAs(camera.orbit, camera.orbit / kDegree,
-                                [](double degrees) { return degrees * kDegree; }));
-      });
-  group
-      .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
-             "views of the camera at given times (seconds, degrees)",
-             [&camera](const scene::TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
-      .serializedAs([&camera] { return cameraKeysText(camera.keys); });
+  group.stored(
+      "--orbit", camera.orbit, "DEGREES", "0", "rotation of the camera about z over the run",
+      [](const scene::TypedValue& typed) {
+        return scene::parseNumber(typed, {-36000, 36000}) * kDegree;
+      },
+      degreesText);
+  group.stored("--camera-keys", camera.keys, "TIME:YAW:PITCH:ZOOM,...", "",
+               "views of the camera at given times (seconds, degrees)", parseCameraKeys,
+               cameraKeysText);
 }
 
 }  // namespace
@@ -463,7 +393,8 @@ std::string parseFileName(const scene::TypedValue& value) {
 }
 
 /// Replaces a typed "\n", two characters in most shells, by a line feed.
-std::string withLineFeeds(std::string text) {
+std::string withLineFeeds(const scene::TypedValue& value) {
+  std::string text = value.text;
   for (std::size_t at = 0; (at = text.find("\\n", at)) != std::string::npos;) {
     text.replace(at, 2, "\n");
   }
@@ -497,11 +428,8 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
         return settings.pace == record::Pace::Real ? scene::numberText(settings.speed) : "";
       });
   group
-      .value("--hold", "SECONDS", "0.5 at an even pace, else 0",
-             "show the first and the last frame longer",
-             [&](const scene::TypedValue& typed) {
-               settings.hold = scene::parseNumber(typed, {0, 60});
-             })
+      .stored("--hold", settings.hold, "SECONDS", "0.5 at an even pace, else 0",
+              "show the first and the last frame longer", numberIn({0, 60}), scene::numberText)
       .serializedAs([&] { return scene::numberText(settings.heldSeconds()); });
 }
 
@@ -509,45 +437,31 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
 
 void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Video", "recording");
-  group
-      .value("--video", "NAME", settings.videoFile,
-             "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv "
-             "(FFV1, lossless), .mov (ProRes 4444)",
-             [&](const scene::TypedValue& typed) { settings.videoFile = parseFileName(typed); })
-      .serializedAs([&] { return scene::quotedText(settings.videoFile); });
+  group.stored("--video", settings.videoFile, "NAME", settings.videoFile,
+               "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, "
+               ".mkv (FFV1, lossless), .mov (ProRes 4444)",
+               parseFileName, scene::quotedText);
   group.flag("--no-video", settings.video, "no video", false);
   addPaceOptions(group, settings);
-  group
-      .value("--title", "TEXT", "", "a card before the video, 2 s; \\n begins a new line",
-             [&](const scene::TypedValue& typed) { settings.title = withLineFeeds(typed.text); })
-      .serializedAs([&] { return scene::quotedText(settings.title); });
-  group
-      .value("--subtitle", "TEXT", "", "smaller lines below the title",
-             [&](const scene::TypedValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
-      .serializedAs([&] { return scene::quotedText(settings.subtitle); });
+  group.stored("--title", settings.title, "TEXT", "",
+               "a card before the video, 2 s; \\n begins a new line", withLineFeeds,
+               scene::quotedText);
+  group.stored("--subtitle", settings.subtitle, "TEXT", "", "smaller lines below the title",
+               withLineFeeds, scene::quotedText);
   group.flag("--progress-bar", settings.progressBar,
              "a bar under the frames that fills with the motion");
-  group
-      .value("--inset", "CURVE", "none",
-             "a curve in a corner of the frames, with a dot at their time: target_error, radius, "
-             "theta, ..., as in kirireel curves --curves",
-             [&](const scene::TypedValue& typed) { settings.inset = typed.text; })
-      .serializedAs([&] { return scene::quotedText(settings.inset); });
-  group
-      .value("--crf", "NUMBER", "18 H.264, 24 VP9", "quality, 0 is best, to 51 (H.264) or 63 (VP9)",
-             [&](const scene::TypedValue& typed) {
-               settings.crf = static_cast<int>(scene::parseInteger(typed, {0, 63}));
-             })
-      .serializedAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
-  group
-      .value("--preset", "WORD", settings.preset,
-             "preset of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
-             [&](const scene::TypedValue& typed) { settings.preset = typed.text; })
-      .serializedAs([&] { return scene::quotedText(settings.preset); });
-  group
-      .value("--encoder", "NAME", "by the format", "another encoder of FFmpeg's libavcodec",
-             [&](const scene::TypedValue& typed) { settings.encoder = typed.text; })
-      .serializedAs([&] { return scene::quotedText(settings.encoder); });
+  group.stored("--inset", settings.inset, "CURVE", "none",
+               "a curve in a corner of the frames, with a dot at their time: target_error, radius, "
+               "theta, ..., as in kirireel curves --curves",
+               asTyped, scene::quotedText);
+  group.stored("--crf", settings.crf, "NUMBER", "18 H.264, 24 VP9",
+               "quality, 0 is best, to 51 (H.264) or 63 (VP9)", integerIn({0, 63}),
+               scene::numberText);
+  group.stored("--preset", settings.preset, "WORD", settings.preset,
+               "preset of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
+               asTyped, scene::quotedText);
+  group.stored("--encoder", settings.encoder, "NAME", "by the format",
+               "another encoder of FFmpeg's libavcodec", asTyped, scene::quotedText);
 }
 
 }  // namespace kirireel::cli

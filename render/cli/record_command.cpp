@@ -66,10 +66,8 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
        {"fold", formats::FaceRule::Fold},
        {"pykirigami", formats::FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
-  group
-      .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
-             [&order](const scene::TypedValue& typed) { order.splitTiles = parseTiles(typed); })
-      .serializedAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
+  group.stored("--split-tiles", order.splitTiles, "LIST", "none",
+               "tiles that bend, as hinged triangles: all, or 3,7,8", parseTiles, tilesText);
 }
 
 /// Groups are in the order of the help.

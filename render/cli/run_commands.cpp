@@ -135,21 +135,11 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   // Defaults of the rule are below `least`. They are not serialized.
   const auto length = [&group](const char* name, const char* defaultText, const char* help,
                                double& target, double least = 1e-12) {
-    group
-        .value(name, "LENGTH", defaultText, help,
-               [&target, least](const scene::TypedValue& typed) {
-                 target = scene::parseNumber(typed, {least, 1e9});
-               })
-        .serializedAs(
-            [&target, least] { return target >= least ? scene::numberText(target) : ""; });
+    group.stored(name, target, "LENGTH", defaultText, help, numberIn({least, 1e9}),
+                 [least](double x) { return x >= least ? scene::numberText(x) : ""; });
   };
-  group
-      .value("--elements-per-edge", "COUNT", "8", "elements along each edge of a tile",
-             [&elements](const scene::TypedValue& typed) {
-               elements.perEdge = static_cast<int>(scene::parseInteger(typed, {1, 64}));
-             })
-      .serializedAs(
-          [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
+  group.stored("--elements-per-edge", elements.perEdge, "COUNT", "8",
+               "elements along each edge of a tile", integerIn({1, 64}), positiveText);
   length("--element-size", "", "longest element edge, instead of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT",
                 "elements through the thickness");
@@ -252,19 +242,11 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
                  settings.formats.push_back(word);
                }
              })
-      .serializedAs([&settings] {
-        return scene::quotedText(fmt::format("{}", fmt::join(settings.formats, ",")));
-      });
+      .serializedAs([&settings] { return wordsText(settings.formats); });
   addStateOptions(group, settings);
-  group
-      .value("--hinge-width", "LENGTH", "the model's, else tile size / 20",
-             "width of the necks in cut patterns (svg, dxf)",
-             [&settings](const scene::TypedValue& typed) {
-               settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
-             })
-      .serializedAs([&settings] {
-        return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
-      });
+  group.stored("--hinge-width", settings.hingeWidth, "LENGTH", "the model's, else tile size / 20",
+               "width of the necks in cut patterns (svg, dxf)", numberIn({1e-12, 1e9}),
+               positiveText);
   group.choice<std::optional<LengthUnit>>("--export-unit", settings.unit, unitChoices(),
                                           "unit of exported files except glb, svg and step; auto: "
                                           "mm for stl and dxf, else the model's");
@@ -452,16 +434,15 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              "be saved, such as deployment.mp4,final.obj",
              [&settings](const scene::TypedValue& typed) {
                // The page searches files next to the trajectory.
-               for (std::string& name : parseWords(typed.text)) {
+               for (std::string& name : parseWords(typed)) {
                  settings.embedded.push_back(std::move(name));
                }
              })
       .excludeFromFingerprint();
   group
-      .value("--most-size", "MB", "25", "largest size of a page; a larger page is an error",
-             [&settings](const scene::TypedValue& typed) {
-               settings.maxMegabytes = scene::parseNumber(typed, {0.1, 1e5});
-             })
+      .stored("--most-size", settings.maxMegabytes, "MB", "25",
+              "largest size of a page; a larger page is an error", numberIn({0.1, 1e5}),
+              scene::numberText)
       .excludeFromFingerprint();
 }
 

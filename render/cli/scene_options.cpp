@@ -34,6 +34,21 @@ std::vector<std::string> splitNames(const scene::TypedValue& typed) {
   return names;
 }
 
+std::string pathText(const std::filesystem::path& path) {
+  return scene::quotedText(path.string());
+}
+
+/// A reader of this many indices. `requested` describes them in the error.
+template <std::size_t count>
+auto indicesIn(const char* requested) {
+  return [requested](const scene::TypedValue& typed) {
+    const std::vector<int> numbers = parseIndices(typed, count, requested);
+    std::array<int, count> indices{};
+    std::ranges::copy(numbers, indices.begin());
+    return indices;
+  };
+}
+
 }  // namespace
 
 void addSceneOptions(CLI::App& command, scene::Scene& scene) {
@@ -47,23 +62,19 @@ void addSceneOptions(CLI::App& command, scene::Scene& scene) {
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                             scene::StartAlignment& alignment) {
   OptionGroup(command, "Scene")
-      .value("--scene", "FILE", "scene.toml in MODEL, if it exists",
-             "settings and timeline; options override them",
-             [&request](const scene::TypedValue& typed) { request.file = typed.text; })
+      .stored("--scene", request.file, "FILE", "scene.toml in MODEL, if it exists",
+              "settings and timeline; options override them", asTyped, pathText)
       .excludeFromFingerprint();  // its content is in the fingerprint
   OptionGroup group(command, "Model", "model");
   // Numbers stay as typed; completeScene() knows the base of the model's file.
   scene::SceneParts& parts = request.parts;
-  group
-      .values(
-          "--target", "MODEL",
-          "a file like target.txt, or a model whose start is the target, instead of the model's "
-          "own; may be repeated, each is reached before the next",
-          [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
-      .serializedAs([&parts] {
+  group.appended(
+      "--target", parts.targets, "MODEL",
+      "a file like target.txt, or a model whose start is the target, instead of the model's "
+      "own; may be repeated, each is reached before the next",
+      asTyped, [](const std::vector<std::filesystem::path>& targets) {
         std::vector<std::string> names;
-        for (const auto& target : parts.targets)
-          names.push_back(scene::quotedText(target.string()));
+        for (const auto& target : targets) names.push_back(pathText(target));
         return scene::quotedList(names);
       });
   group
@@ -78,21 +89,12 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
   group.flag("--no-align", alignment.requested,
              "keep the positions of targets, instead of moving each onto the start", false);
-  group
-      .values("--fix", "TILE,TILE", "two tiles that move as one",
-              [&parts](const scene::TypedValue& typed) {
-                const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
-                parts.fixed.push_back({pair[0], pair[1]});
-              })
-      .serializedAs([&parts] { return listsText(parts.fixed); });
-  group
-      .values("--link", "TILE,VERTEX,TILE,VERTEX", "two corners that keep their initial distance",
-              [&parts](const scene::TypedValue& typed) {
-                const auto link =
-                    parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
-                parts.links.push_back({link[0], link[1], link[2], link[3]});
-              })
-      .serializedAs([&parts] { return listsText(parts.links); });
+  group.appended("--fix", parts.fixed, "TILE,TILE", "two tiles that move as one",
+                 indicesIn<2>("two tile numbers, as in 3,4"), listsText<std::array<int, 2>>);
+  group.appended("--link", parts.links, "TILE,VERTEX,TILE,VERTEX",
+                 "two corners that keep their initial distance",
+                 indicesIn<4>("tile, vertex, tile, vertex, as in 3,0,4,2"),
+                 listsText<std::array<int, 4>>);
 }
 
 scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
@@ -221,7 +223,7 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
 }
 
-/// Search path of findModel(): first near the current folder, then the installed models.
+/// Search path of findModel(): first in the current folder, then the installed models.
 constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
 /// Rejects a name that is neither a folder nor a known model; the reader rejects other paths.
@@ -274,29 +276,16 @@ namespace {
 
 /// Options of SVG and DXF files.
 void addDrawingOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks) {
-  const auto names = [&group](const char* option, const char* defaultText, const char* help,
-                              std::vector<std::string>& chosen) {
-    group
-        .value(option, "NAMES", defaultText, help,
-               [&chosen](const scene::TypedValue& typed) { chosen = splitNames(typed); })
-        .serializedAs([&chosen] {
-          return chosen.empty() ? "" : scene::quotedText(fmt::format("{}", fmt::join(chosen, ",")));
-        });
-  };
-  names("--cut", "automatic", "lines of a drawing to cut: colours, layers or ids, as in red,slits",
-        settings.cut);
-  names("--ignore", "automatic", "lines of a drawing to ignore, named in the same way",
-        settings.ignore);
-  group
-      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "automatic",
-             "largest distance by which cuts of a drawing may stop short of the next line; no neck "
-             "changes its width",
-             [&settings](const scene::TypedValue& typed) {
-               settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
-             })
-      .serializedAs([&settings] {
-        return settings.neckWidth > 0 ? fmt::format("{}", settings.neckWidth) : "";
-      });
+  group.stored("--cut", settings.cut, "NAMES", "automatic",
+               "lines of a drawing to cut: colours, layers or ids, as in red,slits", splitNames,
+               wordsText);
+  group.stored("--ignore", settings.ignore, "NAMES", "automatic",
+               "lines of a drawing to ignore, named in the same way", splitNames, wordsText);
+  group.stored(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", settings.neckWidth,
+               "LENGTH", "automatic",
+               "largest distance by which cuts of a drawing may stop short of the next line; no "
+               "neck changes its width",
+               numberIn({1e-9, 1e6}), positiveText);
   group
       .choice<bool>(
           "--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
@@ -314,26 +303,16 @@ scene::Choices<std::optional<LengthUnit>> unitChoices() {
 }
 
 void addReadOptions(OptionGroup& group, formats::ReadSettings& settings, bool hasNecks) {
-  group
-      .value("--joints-file", "FILE", "the model's own",
-             "list of joints instead of constraints.txt: a path, or a name in the same folder",
-             [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
-      .serializedAs([&settings] {
-        const std::string name = settings.jointsFile.string();
-        return name.empty() ? "" : scene::quotedText(name);
-      });
+  group.stored("--joints-file", settings.jointsFile, "FILE", "the model's own",
+               "list of joints instead of constraints.txt: a path, or a name in the same folder",
+               asTyped, pathText);
   group.choice<std::optional<LengthUnit>>(
       "--unit", settings.unit, unitChoices(),
       "unit of lengths in options, scene files and exported files, and of a model that declares "
       "none; auto: the declared one, else m");
-  group
-      .value("--frame", "N", "all that are states of one sheet",
-             "frame of a FOLD file that is the model, 0 for the file's own keys",
-             [&settings](const scene::TypedValue& typed) {
-               settings.frame = static_cast<int>(scene::parseInteger(typed, scene::Range{0, 1e6}));
-             })
-      .serializedAs(
-          [&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
+  group.stored("--frame", settings.frame, "N", "all that are states of one sheet",
+               "frame of a FOLD file that is the model, 0 for the file's own keys",
+               integerIn({0, 1e6}), scene::numberText);
   group.number(
       "--fold", settings.fold, {1e-3, 1}, "FRACTION", "1",
       "fold of M and V edges without an angle in a FOLD file, as a fraction of 180 degrees");

@@ -106,7 +106,7 @@ void printWarnings(const std::vector<std::string>& warnings);
 // Options of all painting commands: style, camera, video.
 
 /// Splits at commas; a comma at the end adds no empty word.
-std::vector<std::string> parseWords(const std::string& text);
+std::vector<std::string> parseWords(const scene::TypedValue& value);
 
 /// "svg,png": each format once, in the order of first mention.
 std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
