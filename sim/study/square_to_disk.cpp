@@ -1,20 +1,14 @@
-// A square that becomes a disk, against the exact path of its closure equations (exact_sheet.h).
-// The mechanism has one degree of freedom. A state of a run is compared with the state of the path
-// at the same angle between two tiles, moved onto it by the best fit. The path is followed from the
-// middle of the run towards both ends, because it is regular in the middle and singular in the
-// closed states.
+// A square that becomes a disk, against its motion in closed form (exact_motion.h). The mechanism
+// has one degree of freedom. A state of a run is compared with the exact state at the same angle
+// between two tiles, moved onto it by the best fit.
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
-
-#include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/isometry.h"
 #include "sim/study/exact_sheet.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
+#include "sim/trajectory/exact_motion.h"
 
 namespace kirireel::study {
 namespace {
@@ -22,8 +16,7 @@ namespace {
 // A stiffer pull along straight lines locks this mechanism on its path.
 constexpr double kDiskStiffness = 25;
 constexpr double kRowEvery = 2 * kDegree;
-constexpr double kPathStep = 1 * kDegree;
-// Near both closed states the path is singular: tiles may have other motions there.
+// Near both closed states the sheet is singular: tiles may have other motions there.
 constexpr double kSingular = 5;  // degrees
 
 /// A state of the run, at an angle.
@@ -34,12 +27,6 @@ struct State {
   std::vector<model::Tile> tiles;
 };
 
-// The rotation of tile 1 relative to tile 0 since the start, radians, [0, pi].
-double turnBetween(const std::vector<model::Tile>& start, const std::vector<model::Tile>& tiles) {
-  const double turn = planarTurn(start[1], tiles[1]) - planarTurn(start[0], tiles[0]);
-  return std::abs(std::remainder(turn, 2 * std::numbers::pi));
-}
-
 // States of one run, at equal steps of the angle.
 std::vector<State> deployed(const scene::Scene& scene, const Method& method, double seconds) {
   SteppedScene run(scene, method);
@@ -47,8 +34,8 @@ std::vector<State> deployed(const scene::Scene& scene, const Method& method, dou
   const int steps = static_cast<int>(seconds * method.rate);
   for (int step = 1; step <= steps; ++step) {
     run.advance();
-    State state{step / double(method.rate), 0, run.gap(), run.tiles()};
-    state.angle = turnBetween(scene.model.tiles, state.tiles);
+    State state{step / double(method.rate), openingAngle(run.motion().poses), run.gap(),
+                run.tiles()};
     // Rows at equal steps of the angle, not of time: the run is fast in the middle and slow at its
     // ends.
     const double next = states.empty() ? 0 : states.back().angle + kRowEvery;
@@ -73,54 +60,19 @@ double radiusOf(const std::vector<model::Tile>& tiles) {
   return radius;
 }
 
-/// Moves the tiles by the rigid motion that fits the others best.
-std::vector<model::Tile> fitted(std::vector<model::Tile> tiles,
-                                const std::vector<model::Tile>& onto) {
-  model::Model pair;
-  pair.tiles = std::move(tiles);
-  pair.target = onto;
-  model::alignStartToTarget(pair);
-  return pair.tiles;
-}
-
-/// Follows the exact path from the middle of the run to both of its ends. Returns the tiles at each
-/// state's angle, without those for which the path could not be closed.
-std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& scene,
-                                                            const std::vector<State>& states) {
-  const ClosurePath path(scene.model.tiles, scene.model.joints);
-  const auto middle = std::min_element(states.begin(), states.end(), [](auto& a, auto& b) {
-    return std::abs(a.angle - std::numbers::pi / 2) < std::abs(b.angle - std::numbers::pi / 2);
-  });
-  const PlanarState open = path.stateOf(middle->tiles);
-  std::map<const State*, std::vector<model::Tile>> exact;
-  const auto followTo = [&](PlanarState& state, const State& desired) {
-    // The run's state only defines the angle up to which the path is followed.
-    const PlanarState there = path.stateOf(desired.tiles);
-    state = path.follow(std::move(state), path.angle(there), kPathStep);
-    exact[&desired] = path.tiles(state);
-  };
-  PlanarState state = open;
-  for (auto at = middle; at != states.end(); ++at) followTo(state, *at);
-  state = open;
-  for (auto at = std::reverse_iterator(middle); at != states.rend(); ++at) followTo(state, *at);
-  return exact;
-}
-
 // Deploys with a method and compares each kept state with the exact path at its own angle.
 std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   scene::Scene scene = familyScene("square-to-disk");
   scene.springs.springStiffness = kDiskStiffness;
   const std::vector<State> states = deployed(scene, method, seconds);
-  const auto exact = exactTiles(scene, states);
+  const trajectory::ExactMotion motion = trajectory::ExactMotion::find(scene.model).value();
   std::vector<Row> rows;
   for (const State& state : states) {
-    const std::vector<model::Tile>& desired = exact.at(&state);
+    const std::vector<model::Tile> exact = motion.nearest(state.angle, state.tiles);
     const double radius = radiusOf(state.tiles);
-    rows.push_back(
-        {method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
-         cell(std::abs(radius - radiusOf(desired))),
-         cell(trajectory::vertexDistance(state.tiles, fitted(desired, state.tiles)).largest),
-         cell(state.gap)});
+    rows.push_back({method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
+                    cell(std::abs(radius - radiusOf(exact))),
+                    cell(trajectory::vertexDistance(state.tiles, exact).largest), cell(state.gap)});
   }
   return rows;
 }
@@ -148,7 +100,7 @@ double largest(const Table& table, const std::string& engine, const std::string&
   return found;
 }
 
-// Errors near the closed states are listed separately: the path itself is uncertain there.
+// Errors near the closed states are listed separately.
 std::vector<Finding> squareToDiskFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_radius_error", largest(table, "direct", "radius_error_m", false),
@@ -167,13 +119,13 @@ std::vector<Finding> squareToDiskFindings(const Table& table) {
 
 Study squareToDiskStudy() {
   return {"square2disk",
-          "a square that becomes a disk, against the exact path of its closure equations",
+          "a square that becomes a disk, against its motion in closed form",
           {{"engine", "what held the joints"},
            {"time_s", "simulated seconds"},
            {"angle_deg", "by which tile 1 has turned against tile 0, degrees"},
            {"radius_m", "largest distance of a vertex from the mean of all, metres"},
-           {"radius_error_m", "from the exact path at the same angle, metres"},
-           {"vertex_error_m", "largest distance of a vertex from the exact path, metres"},
+           {"radius_error_m", "from the exact motion at the same angle, metres"},
+           {"vertex_error_m", "largest distance of a vertex from the exact motion, metres"},
            {"gap_m", "largest joint gap, metres"}},
           squareToDiskCases,
           squareToDiskFindings};
