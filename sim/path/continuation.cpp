@@ -237,6 +237,7 @@ class Mechanism {
 
   // Resets contacts: overlaps at these poses count as overlaps of the start.
   void restart(const Poses& start) {
+    aim_ = 1;
     dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start,
                                   contacts::FaceContact::Plane);
     dynamics_->setJointStiffness(jointStiffness_);
@@ -402,6 +403,13 @@ class Continuation {
   }
 
  private:
+  /// Where the extension has arrived.
+  struct Progress {
+    Poses poses;
+    run::MechanismPath path;
+    double ascent;
+  };
+
   static ContinuationSettings heldBy(ContinuationSettings settings, double closedStiffness) {
     settings.jointStiffness = std::min(settings.jointStiffness, closedStiffness);
     return settings;
@@ -531,23 +539,41 @@ class Continuation {
   }
 
   /// Rotates all tiles a little in the same sense and extends them again. This keeps rotational
-  /// symmetry but breaks mirror symmetry. Returns whether the extent grew. If not, the state is
+  /// symmetry but breaks mirror symmetry. Of both senses the one that extends farther counts:
+  /// a mirrored sheet takes the opposite one. Returns whether the extent grew. If not, the state is
   /// restored.
   bool leaveSaddle() {
-    const Poses before = poses_;
-    const run::MechanismPath soFar = path_;
+    const Progress before{poses_, path_, ascent_};
+    std::optional<Progress> farthest;
+    double needed = (1 + kMoreExtent) * extent(poses_, pieces_);
+    for (const double angle : {kPerturbation, -kPerturbation}) {
+      returnTo(before);
+      moveTowards(twisted(angle));
+      extend();
+      const double extended = extent(poses_, pieces_);
+      if (!(extended > needed)) continue;
+      farthest = {poses_, path_, ascent_};
+      needed = (1 + kMoreExtent) * extended;
+    }
+    returnTo(farthest.value_or(before));
+    return farthest.has_value();
+  }
+
+  /// The current state with all tiles rotated about their normals by an angle, radians.
+  Poses twisted(double angle) const {
     Poses place = poses_;
     for (std::size_t i = 0; i < place.size(); ++i) {
       const Vector3 normal = place[i].rotation * mechanism_.bricks()[i].normal;
-      place[i].rotation = Quaternion(Eigen::AngleAxisd(kPerturbation, normal)) * place[i].rotation;
+      place[i].rotation = Quaternion(Eigen::AngleAxisd(angle, normal)) * place[i].rotation;
     }
-    moveTowards(place);
-    extend();
-    if (extent(poses_, pieces_) > (1 + kMoreExtent) * extent(before, pieces_)) return true;
-    poses_ = before;
-    path_ = soFar;
+    return place;
+  }
+
+  void returnTo(const Progress& place) {
+    poses_ = place.poses;
+    path_ = place.path;
+    ascent_ = place.ascent;
     mechanism_.restart(poses_);
-    return false;
   }
 
   /// Jumps to the closed state near the guide, if there is one.

@@ -350,6 +350,41 @@ TEST(Continuation, StatesOfARotatedSheetAreRotated) {
   }
 }
 
+/// The model mirrored at x = 0. Its tiles keep their vertices anticlockwise.
+model::Model mirrored(model::Model model) {
+  for (model::Tile& tile : model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex.x() = -vertex.x();
+    std::ranges::reverse(tile.vertices);
+  }
+  for (model::Joint& joint : model.joints) {
+    for (model::Corner* corner : {&joint.a, &joint.b}) {
+      const auto count = static_cast<int>(model.tiles[corner->tile].vertices.size());
+      corner->vertex = count - 1 - corner->vertex;
+    }
+  }
+  return model;
+}
+
+/// The start of this sheet is a saddle of its extent. One sense of rotation extends it to 1.107
+/// times its extent, the other to 1.026. A mirrored sheet takes the opposite sense.
+TEST(Continuation, FullExtensionOfAMirroredSheetIsMirrored) {
+  const scene::Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 30}});
+  scene::Scene other = scene;
+  other.model = mirrored(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult mirror = deploy::deploy(other, 1, nullptr);
+  EXPECT_GT(extentOf(run.trajectory.samples.back()),
+            1.1 * extentOf(run.trajectory.samples.front()));  // measured: 1.107
+  const Poses& end = run.trajectory.samples.back().poses;
+  const Poses& mirroredEnd = mirror.trajectory.samples.back().poses;
+  double most = 0;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    const Vector3 expected(-end[i].position.x(), end[i].position.y(), end[i].position.z());
+    most = std::max(most, (mirroredEnd[i].position - expected).norm());
+  }
+  EXPECT_LT(most, 1e-9 * model::tileSize(scene.model));  // measured: 2e-15
+}
+
 /// The tiles of this chain still move slowly after 200 s, at constant extent.
 TEST(Continuation, FullExtensionOfAChainIsThatOfDrivenTiles) {
   const scene::Scene scene = extendingScene("ammann-beenker-chain");
