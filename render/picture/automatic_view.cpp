@@ -195,7 +195,8 @@ struct TriangulatedState {
 /// A parallel view of triangles in a small depth buffer.
 class DepthBuffer {
  public:
-  VisibleShare show(const TriangulatedState& surface, const Axes& view) {
+  /// The value of the view for one state.
+  double valueOf(const TriangulatedState& surface, const Axes& view) {
     depths_.assign(kSide * kSide, -std::numeric_limits<double>::infinity());
     sides_.assign(kSide * kSide, Seen::Nothing);
     std::vector<Vector3> seen;
@@ -208,8 +209,8 @@ class DepthBuffer {
     for (Vector3& point : seen) point.head<2>() = scale * (point.head<2>() - box.min());
     for (const auto& [a, b, c] : surface.triangles) draw(seen[a], seen[b], seen[c]);
     const double pixels = surface.area * scale * scale;
-    return {static_cast<double>(std::ranges::count(sides_, Seen::Front)) / pixels,
-            static_cast<double>(std::ranges::count(sides_, Seen::Back)) / pixels};
+    return static_cast<double>(std::ranges::count(sides_, Seen::Front)) / pixels +
+           kBack * (static_cast<double>(std::ranges::count(sides_, Seen::Back)) / pixels);
   }
 
  private:
@@ -271,8 +272,7 @@ Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles f
       const Axes view = viewIn(axes, azimuth * kDegree, elevation * kDegree);
       double value = 0;
       for (const TriangulatedState& surface : surfaces) {
-        const VisibleShare share = buffer.show(surface, view);
-        value += share.front + kBack * share.back;
+        value += buffer.valueOf(surface, view);
       }
       most = std::max(most, value);
       candidates.emplace_back(value, view);
@@ -288,10 +288,6 @@ Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles f
 }
 
 }  // namespace
-
-VisibleShare visibleShare(const Tiles& tiles, const Vector3& towardsEye) {
-  return DepthBuffer().show(TriangulatedState(tiles), axesAcross(towardsEye));
-}
 
 AutomaticView chooseView(std::span<const Tiles> states, bool zIsUp) {
   const Tiles& start = states.front();

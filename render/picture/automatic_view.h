@@ -25,15 +25,4 @@ struct AutomaticView {
 /// Interrupted when the user ends the program.
 AutomaticView chooseView(std::span<const std::vector<model::Tile>> states, bool zIsUp);
 
-/// The fraction of the tiles' whole area that is seen from a direction, 0 to 1: of one side or
-/// both.
-struct VisibleShare {
-  double front = 0;
-  double back = 0;
-};
-
-/// The visible part of tiles in a parallel view along a direction (unit, towards the eye). Foreshortened
-/// areas count as they are seen. A depth buffer of 96 x 96 pixels decides what is hidden.
-VisibleShare visibleShare(const std::vector<model::Tile>& tiles, const Vector3& towardsEye);
-
 }  // namespace kirireel::picture

@@ -63,12 +63,6 @@ void loadFunctions(const Backend& backend) {
 
 }  // namespace
 
-std::vector<GraphicsLibrary> builtGraphicsLibraries() {
-  std::vector<GraphicsLibrary> built;
-  for (const KnownLibrary& known : libraries()) built.push_back(known.library);
-  return built;
-}
-
 void setGraphicsLibrary(GraphicsLibrary library) {
   if (find(library) == nullptr) {
     throw InputError(fmt::format(

@@ -19,9 +19,6 @@ enum class GraphicsLibrary {
   Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card
 };
 
-/// The libraries that the program was built with, at least one. The first is the default.
-std::vector<GraphicsLibrary> builtGraphicsLibraries();
-
 /// Selects the library of all contexts made later. A process uses one library: call it before the
 /// first context. Throws InputError if the program was built without the library.
 void setGraphicsLibrary(GraphicsLibrary library);

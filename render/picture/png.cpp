@@ -129,25 +129,6 @@ std::string pngBytes(const Frame& frame, const PngSettings& settings) {
   return file;
 }
 
-Frame readPng(const std::filesystem::path& path) {
-  png_image image = {};
-  image.version = PNG_IMAGE_VERSION;
-  Frame frame;
-  // The simplified interface of libpng converts any PNG to the requested format.
-  bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
-  if (read) {
-    image.format = PNG_FORMAT_RGBA;
-    frame.size = {static_cast<int>(image.width), static_cast<int>(image.height)};
-    frame.pixels.resize(PNG_IMAGE_SIZE(image));
-    read = png_image_finish_read(&image, nullptr, frame.pixels.data(), 0, nullptr) != 0;
-  }
-  const std::string reason = image.message;
-  png_image_free(&image);
-  if (read) return frame;
-  throw InputError(fmt::format("{}: error: cannot be read as a picture ({}); give a PNG file",
-                               path.string(), reason));
-}
-
 std::string pngLibraryVersion() {
   return png_get_libpng_ver(nullptr);
 }

@@ -28,10 +28,6 @@ void writePng(const Frame& frame, const std::filesystem::path& path,
 /// The same as bytes in memory. Throws OutputError if memory is short.
 std::string pngBytes(const Frame& frame, const PngSettings& settings = {});
 
-/// Reads any PNG as 8-bit RGBA, rows from the top. Converts palettes, grey and 16 bits. Throws
-/// InputError if it is missing or not a PNG.
-Frame readPng(const std::filesystem::path& path);
-
 /// The version of libpng in use, e.g. "1.6.39".
 std::string pngLibraryVersion();
 

@@ -576,12 +576,6 @@ void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   internals_->pending.commit();
 }
 
-void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path) {
-  TrajectoryWriter writer(path, trajectory);
-  for (const Sample& sample : trajectory.samples) writer.append(sample);
-  writer.finish(trajectory);
-}
-
 // ------------------------------------------------------------------------------------------------
 // Trajectories read as untrusted input. All assumptions of pictures, meshes and measures are
 // checked here. A damaged file gives one message, not a wrong picture.
@@ -1327,15 +1321,6 @@ bool TrajectoryReader::hasMechanics() const {
 Sample TrajectoryReader::sample(std::size_t index) const {
   checkInterruption();  // a loop over all samples takes long
   return internals_->sample(index);
-}
-
-Trajectory readTrajectory(const std::filesystem::path& path) {
-  const TrajectoryReader reader(path);
-  Trajectory trajectory{reader.subject(), reader.end(), {}};
-  for (std::size_t i = 0; i < reader.times().size(); ++i) {
-    trajectory.samples.push_back(reader.sample(i));
-  }
-  return trajectory;
 }
 
 }  // namespace kirireel::trajectory

@@ -191,13 +191,6 @@ class TrajectoryReader {
   std::unique_ptr<Internals> internals_;
 };
 
-/// The whole trajectory in memory. Throws InputError. Memory grows with the number of samples:
-/// about 60 bytes per brick and sample.
-Trajectory readTrajectory(const std::filesystem::path& path);
-
-/// Writes a whole trajectory. Throws OutputError.
-void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path);
-
 }  // namespace kirireel::trajectory
 
 namespace kirireel::trajectory::layout {

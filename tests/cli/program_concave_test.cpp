@@ -14,6 +14,7 @@
 
 #include "render/picture/png.h"
 #include "tests/cli/run_program.h"
+#include "tests/support/png.h"
 #include "tests/support/polygons.h"
 
 namespace kirireel {
@@ -124,7 +125,7 @@ TEST_F(ConcaveTiles, DeployArePaintedAndExported) {
     EXPECT_NE(readText(run() / name), "") << name;
   }
 
-  const picture::Frame picture = picture::readPng(run() / "snapshots.png");
+  const picture::Frame picture = test::readPng(run() / "snapshots.png");
   const int start = paintedIn(picture, 0);
   EXPECT_GT(start, 3000);
   EXPECT_NEAR(paintedIn(picture, 1), start, 0.02 * start);

@@ -6,6 +6,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -28,7 +29,7 @@ class Scenes : public testing::Test {
     Simulated done{runKirireel(arguments), {}, {}};
     EXPECT_THAT(done.end.exitCode, testing::AnyOf(0, kEndedShort)) << done.end.err;
     done.summary = nlohmann::json::parse(readText(scratch_ / "out/summary.json"));
-    done.run = trajectory::readTrajectory(scratch_ / "out/trajectory.h5");
+    done.run = test::readTrajectory(scratch_ / "out/trajectory.h5");
     return done;
   }
 

@@ -11,6 +11,7 @@
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 #include "tests/support/pair_forces.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -131,7 +132,7 @@ void exchangeTrajectory(const std::filesystem::path& folder, const trajectory::T
   const std::string hash = output::digestOf(folder, "trajectory.h5").sha256;
   const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
   const std::string bytes = std::to_string(readText(file).size());
-  trajectory::writeTrajectory(run, file);
+  test::writeTrajectory(run, file);
   falsify(folder / "summary.json", size + bytes, size + std::to_string(readText(file).size()));
   falsify(folder / "summary.json", hash, output::digestOf(folder, "trajectory.h5").sha256);
 }
@@ -140,7 +141,7 @@ TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
   const std::filesystem::path file = folder() / "trajectory.h5";
   const std::string whole = readText(file);
   const std::string summary = readText(folder() / "summary.json");
-  trajectory::Trajectory run = trajectory::readTrajectory(file);
+  trajectory::Trajectory run = test::readTrajectory(file);
   run.samples[2].penetration += 1;
   exchangeTrajectory(folder(), run);
   EXPECT_THAT(verify().out, HasSubstr("trajectory.h5: penetration at 0.2 s is 1"));
@@ -164,7 +165,7 @@ TEST(VerifyLigaments, NoticesChangedLigaments) {
   ASSERT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("springs at 4 hinges and 4 ligaments: "));
   ASSERT_TRUE(record::verifyRun(run).complaints.empty());
-  const trajectory::Trajectory whole = trajectory::readTrajectory(run + "/trajectory.h5");
+  const trajectory::Trajectory whole = test::readTrajectory(run + "/trajectory.h5");
   trajectory::Trajectory other = whole;
   std::vector<brick::Ligament> ligaments = brick::ligamentsOf(whole.pairForces);
   ligaments[2].shearStiffness *= 1.001;

@@ -4,6 +4,7 @@
 #include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/fuzz/fuzz_input.h"
+#include "tests/support/trajectories.h"
 
 using namespace kirireel;
 
@@ -20,7 +21,7 @@ bool writeRun() {
     run.samples.push_back(
         {.time = time, .poses = brick::startPoses(scene.model.tiles, run.bricks)});
   }
-  trajectory::writeTrajectory(run, fuzz::folder() / "trajectory.h5");
+  test::writeTrajectory(run, fuzz::folder() / "trajectory.h5");
   return true;
 }
 

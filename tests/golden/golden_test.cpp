@@ -14,6 +14,7 @@
 #include "sim/model/isometry.h"
 #include "tests/golden/golden_scenes.h"
 #include "tests/support/files.h"
+#include "tests/support/png.h"
 
 namespace kirireel {
 namespace {
@@ -70,7 +71,7 @@ void expectGolden(const picture::Frame& frame, const std::string& file,
     picture::writePng(frame, golden, {.compressionLevel = 9});
     return;
   }
-  const picture::Frame expected = picture::readPng(golden);
+  const picture::Frame expected = test::readPng(golden);
   bool same = expected.size == frame.size;
   if (same) {
     for (const Part& part : parts) same &= alike(expected, frame, part);
@@ -123,7 +124,7 @@ TEST(ReadmePictures, AreWhatTheProgramMakes) {
   scene.brick.thickness = 0.12;
   scene.path.kind = scene::PathKind::Auto;
   record::record(scene, settings, [](const record::Progress&) { return record::Interruption{}; });
-  const picture::Frame frame = picture::readPng(folder / "snapshots.png");
+  const picture::Frame frame = test::readPng(folder / "snapshots.png");
   expectGolden(frame, "data/pictures/tessellation_4x4.png", {whole(frame)});
 }
 

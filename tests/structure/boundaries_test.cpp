@@ -339,7 +339,6 @@ TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
                            "render/cli/sweep_command.cpp",     // to write messages
                            "render/output/output_folder.cpp",  // to lock a folder
                            "render/picture/label.cpp",         // the system's font
-                           "render/picture/png.cpp",           // to write, and written files
                            "render/sweep/collect.cpp",         // to lock
                            "render/picture/video.cpp"));       // its own files
 }

@@ -7,6 +7,7 @@
 #include "render/export/export.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel::test {
 
@@ -17,7 +18,7 @@ inline std::vector<std::string> startWarnings(const scene::Scene& scene,
   run.samples.push_back({.time = 0, .poses = brick::startPoses(run.model.tiles, run.bricks)});
   settings.states = {"initial"};
   const TemporaryFolder folder;
-  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  test::writeTrajectory(run, folder / "trajectory.h5");
   return exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"), settings);
 }
 

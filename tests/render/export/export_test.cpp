@@ -11,6 +11,7 @@
 #include "tests/support/opening_squares.h"
 #include "tests/support/refusal.h"
 #include "tests/support/start_warnings.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -31,7 +32,7 @@ trajectory::Trajectory opening() {
 class Export : public testing::Test {
  protected:
   Export() {
-    trajectory::writeTrajectory(opening(), folder_ / "trajectory.h5");
+    test::writeTrajectory(opening(), folder_ / "trajectory.h5");
     reader_ = std::make_unique<trajectory::TrajectoryReader>(folder_ / "trajectory.h5");
   }
 
@@ -99,7 +100,7 @@ TEST_F(Export, TakesTheOnlySampleForBothDefaults) {
   trajectory::Trajectory run = opening();
   run.samples.resize(1);
   run.events.clear();
-  trajectory::writeTrajectory(run, folder_ / "one.h5");
+  test::writeTrajectory(run, folder_ / "one.h5");
   const trajectory::TrajectoryReader reader(folder_ / "one.h5");
   const std::vector<exports::ChosenState> chosen =
       exports::chooseStates(reader, exports::ExportSettings().states);

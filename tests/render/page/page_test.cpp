@@ -12,6 +12,7 @@
 #include "sim/generate/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -32,7 +33,7 @@ trajectory::Trajectory opening() {
 class WebPage : public testing::Test {
  protected:
   WebPage() {
-    trajectory::writeTrajectory(opening(), file_);
+    test::writeTrajectory(opening(), file_);
     settings_.states.samples = 5;
   }
   void SetUp() override {

@@ -189,18 +189,5 @@ TEST(AutomaticView, StaysAboveTheGround) {
   EXPECT_LT(picture::chooseView(states, false).angles.elevation, 0);
 }
 
-TEST(AutomaticView, CountsFrontsAndBacks) {
-  // Two squares one above the other, the lower one half seen; seen areas from 45 degrees.
-  const Tiles tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
-                       {{{0, 1, 0.5}, {1, 1, 0.5}, {1, 0, 0.5}, {0, 0, 0.5}}}};
-  const picture::VisibleShare above = picture::visibleShare(tiles, Vector3::UnitZ());
-  EXPECT_NEAR(above.front, 0, 0.01);
-  EXPECT_NEAR(above.back, 0.5, 0.01);  // 0.5
-  const picture::VisibleShare side = picture::visibleShare(tiles, Vector3(0, -1, 1).normalized());
-  const double cosine = std::sqrt(0.5);
-  EXPECT_NEAR(side.front, 0.25 * cosine, 0.01);  // 0.0003 off
-  EXPECT_NEAR(side.back, 0.5 * cosine, 0.01);    // 0.0003 off
-}
-
 }  // namespace
 }  // namespace kirireel

@@ -44,22 +44,21 @@ TEST(ContextDeathTest, ReportsWhatToDoWithoutOpenGl) {
 }
 
 TEST(GraphicsLibrary, IsOneThatTheProgramWasBuiltWith) {
-  const std::vector<picture::GraphicsLibrary> built = picture::builtGraphicsLibraries();
-  ASSERT_FALSE(built.empty());
+  int missing = 0;
+  // The default comes last and stays chosen.
   for (const auto& [library, message] :
-       {std::pair{picture::GraphicsLibrary::Osmesa,
-                  "built without OSMesa; choose --gl egl, or install"},
-        std::pair{picture::GraphicsLibrary::Egl,
-                  "built without EGL; choose --gl osmesa, or install"}}) {
-    if (std::find(built.begin(), built.end(), library) != built.end()) continue;
-    std::string text;
+       {std::pair{picture::GraphicsLibrary::Egl,
+                  "built without EGL; choose --gl osmesa, or install"},
+        std::pair{picture::GraphicsLibrary::Osmesa,
+                  "built without OSMesa; choose --gl egl, or install"}}) {
     try {
       picture::setGraphicsLibrary(library);
     } catch (const InputError& error) {
-      text = error.what();
+      ++missing;
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(message));
     }
-    EXPECT_THAT(text, ::testing::HasSubstr(message));
   }
+  EXPECT_LT(missing, 2);
 }
 
 TEST(Context, LeavesTheUsersNumberOfThreads) {

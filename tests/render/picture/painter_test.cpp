@@ -101,7 +101,7 @@ TEST(Painter, DrawsFlatSheetsAsOpenGlDoes) {
       picture::PictureItems items{sample.poses};
       for (int k = 0; k < 30; ++k) items.colours.push_back(picture::shadesOf(kindOf(k)));
       const picture::Frame flat = painter.paint(items, camera);
-      // The last brick is drawn last, so that it is below the others where they overlap.
+      // The last brick is drawn last, so it is below the others where they overlap.
       Poses raised = sample.poses;
       for (int k = 0; k < 30; ++k) raised[k].position.z() -= 1e-3 * k;
       picture::PictureItems steps{raised};
@@ -740,10 +740,8 @@ TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
 }
 
 TEST(Painter, PaintsTheSameBytesThroughEgl) {
-  const std::vector<picture::GraphicsLibrary> built = picture::builtGraphicsLibraries();
-  if (built.size() < 2) GTEST_SKIP() << "built with one of OSMesa and EGL; install the other";
   const std::string egl = hashUnder("LP_NUM_THREADS=0", "egl");
-  if (egl.empty()) GTEST_SKIP() << "EGL has no display without a screen here";
+  if (egl.empty()) GTEST_SKIP() << "built without EGL, or EGL has no display without a screen";
   EXPECT_EQ(egl, hashUnder("LP_NUM_THREADS=0"));
   EXPECT_EQ(hashUnder("LP_NUM_THREADS=2", "egl"), egl);
 }

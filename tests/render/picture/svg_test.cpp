@@ -8,6 +8,7 @@
 #include "sim/base/files.h"
 #include "tests/render/picture/sample_bricks.h"
 #include "tests/support/files.h"
+#include "tests/support/png.h"
 #include "tests/support/polygons.h"
 #include "tests/support/program.h"
 
@@ -57,7 +58,7 @@ picture::Frame rasterised(const std::string& svg) {
   const std::string command = "rsvg-convert " + (folder / "figure.svg").string() + " -o " +
                               (folder / "figure.png").string();
   EXPECT_EQ(std::system(command.c_str()), 0);
-  return picture::readPng(folder / "figure.png");
+  return test::readPng(folder / "figure.png");
 }
 
 struct Difference {
@@ -275,7 +276,7 @@ TEST(Svg, OutlinesBelongToTheirPart) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "page.png", drawn(picture::PageFormat::Png));
   for (const picture::Frame& frame :
-       {rasterised(drawn(picture::PageFormat::Svg)), picture::readPng(folder / "page.png")}) {
+       {rasterised(drawn(picture::PageFormat::Svg)), test::readPng(folder / "page.png")}) {
     EXPECT_EQ(frame.at(10, 15), kBlue);
     EXPECT_EQ(frame.at(12, 15), kBlue);
     EXPECT_EQ(frame.at(40, 15), kBlack);

@@ -15,7 +15,9 @@
 #include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/png.h"
 #include "tests/support/program.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -206,7 +208,7 @@ TEST(CurvesPlot, HasTheSameBytesEachTime) {
 TEST(CurvesPlot, HasTheRequestedWidth) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "curves.png", plotted(picture::PageFormat::Png));
-  const picture::Frame frame = picture::readPng(folder / "curves.png");
+  const picture::Frame frame = test::readPng(folder / "curves.png");
   EXPECT_EQ(frame.size.width, 709);  // 180 mm at 100 dots an inch
   EXPECT_EQ(frame.at(0, 0), (picture::Colour{255, 255, 255}));
   int blue = 0;
@@ -359,7 +361,7 @@ class CurvesInUnits : public ::testing::Test {
       trajectory.samples.push_back(sample);
     }
     std::filesystem::create_directories(folder_ / name);
-    trajectory::writeTrajectory(trajectory, folder_ / name / "trajectory.h5");
+    test::writeTrajectory(trajectory, folder_ / name / "trajectory.h5");
     return std::make_unique<record::NamedRun>(record::openRun(folder_ / name / "trajectory.h5"));
   }
 

@@ -11,6 +11,7 @@
 #include "render/record/record.h"
 #include "sim/generate/lattice.h"
 #include "tests/support/files.h"
+#include "tests/support/png.h"
 
 namespace kirireel {
 namespace {
@@ -122,7 +123,7 @@ TEST_F(FigurePageTest, HasPicturesAndPlotsWithLetters) {
   EXPECT_EQ(b.y(), c.y());
   // Two equal panels with a gap of one em, 15 pixels: (709 - 15) / 2 + 15.
   EXPECT_EQ(c.x(), 362);
-  EXPECT_EQ(picture::readPng(folder_ / "page.png").size.width, 709);
+  EXPECT_EQ(test::readPng(folder_ / "page.png").size.width, 709);
   EXPECT_EQ(test::bytesOf(folder_ / "page.pdf").substr(0, 5), "%PDF-");
 }
 

@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/generate/lattice.h"
 #include "tests/support/files.h"
+#include "tests/support/png.h"
 
 namespace kirireel {
 namespace {
@@ -144,7 +145,7 @@ TEST_F(FigureTest, GivesRowsTheirOwnHeightsAndBoldLetters) {
 constexpr int kNameHeight = 14;
 
 picture::Frame frameOf(const record::PictureSettings& settings, int number) {
-  return picture::readPng(settings.folder / fmt::format("frames/frame_{:05}.png", number));
+  return test::readPng(settings.folder / fmt::format("frames/frame_{:05}.png", number));
 }
 
 picture::Frame partOf(const picture::Frame& frame, int left, picture::FrameSize size) {

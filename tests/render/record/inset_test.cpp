@@ -16,6 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/generate/lattice.h"
 #include "tests/support/files.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -43,7 +44,7 @@ class InsetTest : public testing::Test {
       sample.poses[1].position.x() += 0.1 * k;
       trajectory.samples.push_back(sample);
     }
-    trajectory::writeTrajectory(trajectory, folder_ / "run.h5");
+    test::writeTrajectory(trajectory, folder_ / "run.h5");
     settings_.folder = folder_ / "pictures";
     settings_.size = kSize;
     settings_.inset = "width";

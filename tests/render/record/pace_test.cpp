@@ -11,6 +11,7 @@
 #include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 #include "tests/support/files.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -122,7 +123,7 @@ class DynamicRun : public testing::Test {
     scene.model = generate::makeTessellation({});
     scene.path.kind = scene::PathKind::Straight;
     const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
-    trajectory::writeTrajectory(result.trajectory, folder_ / "run.h5");
+    test::writeTrajectory(result.trajectory, folder_ / "run.h5");
   }
 
   test::TemporaryFolder folder_;

@@ -19,8 +19,10 @@
 #include "sim/base/interruption.h"
 #include "sim/generate/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
+#include "tests/support/png.h"
 #include "tests/support/program.h"
 #include "tests/support/refusal.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -135,7 +137,7 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsFinishedFrames) {
       });
   EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
-  EXPECT_EQ(trajectory::readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
+  EXPECT_EQ(test::readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
             "interrupted: interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 4);
   EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
@@ -220,7 +222,7 @@ TEST_F(RecordTest, MakesAGridForPrint) {
   EXPECT_THAT(summary.files, Contains("snapshots.svg"));
   EXPECT_THAT(summary.files, Contains("snapshots.pdf"));
   // 90 mm at 300 dots an inch are 1063 pixels; no fewer, and a few more by whole pixels of cells.
-  const int width = picture::readPng(settings_.folder / "snapshots.png").size.width;
+  const int width = test::readPng(settings_.folder / "snapshots.png").size.width;
   EXPECT_GE(width, 1063);
   EXPECT_LE(width, 1067);
   std::ifstream file(settings_.folder / "snapshots.svg");
@@ -292,9 +294,9 @@ TEST_F(RecordTest, GivesOnePictureIfNothingMoves) {
   record::PictureSettings pictures = settings_;
   settings_.video = settings_.snapshots = settings_.meshes = false;
   record::record(tessellationScene(), settings_, proceed_);
-  trajectory::Trajectory still = trajectory::readTrajectory(settings_.folder / "trajectory.h5");
+  trajectory::Trajectory still = test::readTrajectory(settings_.folder / "trajectory.h5");
   for (trajectory::Sample& sample : still.samples) sample.poses = still.samples[0].poses;
-  trajectory::writeTrajectory(still, settings_.folder / "still.h5");
+  test::writeTrajectory(still, settings_.folder / "still.h5");
   pictures.folder = settings_.folder / "pictures";
   std::string remark;
   const record::PictureReport report = record::render(settings_.folder / "still.h5", pictures,
@@ -410,7 +412,7 @@ TEST_F(RecordTest, ShowsBricksThatLeaveAPictureOfTheEnds) {
   settings_.snapshots = false;
   const record::RunSummary summary = record::record(fallingScene(), settings_, proceed_);
   ASSERT_EQ(summary.videoFrames, 9);
-  EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / "frames/frame_00008.png")));
+  EXPECT_TRUE(hasFreeBorder(test::readPng(settings_.folder / "frames/frame_00008.png")));
 }
 
 TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
@@ -418,7 +420,7 @@ TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
   settings_.video = settings_.snapshots = false;
   settings_.chosenFrames = {{1, record::FrameChoice::Unit::Share}};
   record::record(fallingScene(), settings_, proceed_);
-  EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / "frames/frame_00008.png")));
+  EXPECT_TRUE(hasFreeBorder(test::readPng(settings_.folder / "frames/frame_00008.png")));
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
@@ -467,7 +469,7 @@ TEST_F(RecordTest, CameraShowsEveryFrameWhole) {
     const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
     for (const std::string& file : summary.files) {
       if (!file.starts_with("frames/")) continue;
-      EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / file))) << file;
+      EXPECT_TRUE(hasFreeBorder(test::readPng(settings_.folder / file))) << file;
     }
   }
 }

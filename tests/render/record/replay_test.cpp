@@ -6,6 +6,7 @@
 #include "render/record/pace.h"
 #include "sim/generate/lattice.h"
 #include "tests/support/files.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -24,7 +25,7 @@ class ReplayTest : public testing::Test {
       sample.poses = {{Vector3(0.1 * k, 0, 0), rotationFromVector({0, 0, 0.1 * k})}};
       trajectory.samples.push_back(sample);
     }
-    trajectory::writeTrajectory(trajectory, folder_ / "run.h5");
+    test::writeTrajectory(trajectory, folder_ / "run.h5");
   }
 
   std::vector<double> timesOfReplay(double step, int observed = 1000) {

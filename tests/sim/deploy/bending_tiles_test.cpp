@@ -13,6 +13,7 @@
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/refusal.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -233,7 +234,7 @@ TEST(BendingTiles, AreInTheTrajectory) {
   scene.stop.duration = 0.1;
   const test::TemporaryFolder folder;
   const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
-  trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
+  test::writeTrajectory(run.trajectory, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_EQ(reader.subject().model.joints.size(), 2U);
   for (const model::Joint& joint : reader.subject().model.joints) EXPECT_TRUE(joint.isWithinTile);

@@ -12,6 +12,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -136,7 +137,7 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
   trajectory::Trajectory trajectory;
   static_cast<trajectory::Subject&>(trajectory) = trajectory::subjectOf(scene);
   trajectory.samples.push_back({.poses = brick::startPoses(scene.model.tiles, trajectory.bricks)});
-  trajectory::writeTrajectory(trajectory, folder / "run.h5");
+  test::writeTrajectory(trajectory, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   const std::vector<brick::HingeSpring>& read = brick::hingeSpringsOf(reader.subject().pairForces);
   ASSERT_EQ(read.size(), 24u);

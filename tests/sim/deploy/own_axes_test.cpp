@@ -11,6 +11,7 @@
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/refusal.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -127,8 +128,8 @@ TEST(OwnAxes, LigamentsWorkInAnyPlane) {
               1e-8 * level.elasticity->energyEnd);  // measured 1.4e-9
   // Energies are computed from poses in the world's axes.
   const test::TemporaryFolder folder;
-  trajectory::writeTrajectory(tilted.trajectory, folder / "run.h5");
-  const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+  test::writeTrajectory(tilted.trajectory, folder / "run.h5");
+  const trajectory::Trajectory read = test::readTrajectory(folder / "run.h5");
   const Poses& last = read.samples.back().poses;
   EXPECT_NEAR(read.pairForces.energy(last), tilted.elasticity->energyEnd,
               1e-9 * tilted.elasticity->energyEnd);

@@ -16,6 +16,7 @@
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 #include "tests/support/refusal.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -177,8 +178,8 @@ TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
     const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
     ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
     const test::TemporaryFolder folder;
-    trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
-    const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+    test::writeTrajectory(run.trajectory, folder / "run.h5");
+    const trajectory::Trajectory read = test::readTrajectory(folder / "run.h5");
     ASSERT_EQ(brick::ligamentsOf(read.pairForces).size(), 4u);
     const double held = elasticEnergyOf(read, read.samples.back().poses);
     const double expected = run.loadCurve->states.back().energy;

@@ -11,6 +11,7 @@
 #include "sim/trajectory/run_curves.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -203,7 +204,7 @@ class RunCurvesOfSquares : public testing::Test {
   static constexpr int kSamples = 41;
 
   RunCurvesOfSquares() {
-    trajectory::writeTrajectory(openingSquares(kEnd, kSamples), folder_ / "trajectory.h5");
+    test::writeTrajectory(openingSquares(kEnd, kSamples), folder_ / "trajectory.h5");
     curves_ = trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "trajectory.h5"));
   }
 
@@ -247,7 +248,7 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
 TEST_F(RunCurvesOfSquares, ShowDistancesFromTheExactMotion) {
   trajectory::Trajectory run = openingSquares(kEnd, kSamples);
   run.samples.back().poses[9].position.x() += 0.01;
-  trajectory::writeTrajectory(run, folder_ / "moved.h5");
+  test::writeTrajectory(run, folder_ / "moved.h5");
   const trajectory::RunCurves moved =
       trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "moved.h5"));
   const double tiles = kColumns * kRows;
@@ -259,7 +260,7 @@ TEST_F(RunCurvesOfSquares, ShowDistancesFromTheExactMotion) {
 TEST_F(RunCurvesOfSquares, HaveTheUnitOfTheModel) {
   trajectory::Trajectory run = openingSquares(kEnd, kSamples);
   run.model.unit = *findLengthUnit("mm");
-  trajectory::writeTrajectory(run, folder_ / "mm.h5");
+  test::writeTrajectory(run, folder_ / "mm.h5");
   const trajectory::RunCurves inMillimetres =
       trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "mm.h5"));
   const auto value = [&](const char* column) {
@@ -309,7 +310,7 @@ TEST(RunCurves, HaveEnergiesAndForces) {
         {trajectory::HoldKind::Contact, 0, 3, Vector3(2, 0, 0), Vector3(), Vector3()}};
   }
   const test::TemporaryFolder folder;
-  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  test::writeTrajectory(run, folder / "trajectory.h5");
   const trajectory::RunCurves curves =
       trajectory::curvesOf(trajectory::TrajectoryReader(folder / "trajectory.h5"));
   const auto last = [&](const char* column) { return curveNamed(curves, column).values.back(); };

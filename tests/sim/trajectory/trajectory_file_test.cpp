@@ -20,6 +20,7 @@
 #include "tests/support/pair_forces.h"
 #include "tests/support/program.h"
 #include "tests/support/refusal.h"
+#include "tests/support/trajectories.h"
 
 namespace kirireel {
 namespace {
@@ -170,7 +171,7 @@ trajectory::LoadedPanels randomPanels(const std::vector<model::Tile>& tiles) {
 }
 
 std::string refusalOf(const std::filesystem::path& file) {
-  return test::refusalOf<InputError>([&] { trajectory::readTrajectory(file); });
+  return test::refusalOf<InputError>([&] { test::readTrajectory(file); });
 }
 
 TEST(TrajectoryFile, KeepsEveryBit) {
@@ -187,8 +188,8 @@ TEST(TrajectoryFile, KeepsEveryBit) {
     sample.mechanics->jointForces.emplace_back(1, 2, 3);
     sample.mechanics->isIndeterminate.push_back(true);
   }
-  trajectory::writeTrajectory(written, folder / "run.h5");
-  const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+  test::writeTrajectory(written, folder / "run.h5");
+  const trajectory::Trajectory read = test::readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
   expectSameValue(read.bricks, written.bricks, "bricks");
   EXPECT_EQ(read.model.rounding, 1e-6);
@@ -206,7 +207,7 @@ TEST(TrajectoryFile, KeepsEveryBitOfPanels) {
   trajectory::Trajectory written = randomTrajectory(3);
   const trajectory::LoadedPanels a = randomPanels(written.model.tiles);
   written.panels = std::make_shared<const trajectory::LoadedPanels>(a);
-  trajectory::writeTrajectory(written, folder / "run.h5");
+  test::writeTrajectory(written, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_TRUE(reader.end().panels);
   const trajectory::LoadedPanels& b = *reader.end().panels;
@@ -249,8 +250,8 @@ TEST(TrajectoryFile, KeepsTheSheetOfAFoldFile) {
   scene.model = formats::readModel(folder / "a.fold", std::nullopt, warnings);
   trajectory::Trajectory run{trajectory::subjectOf(scene)};
   run.samples.emplace_back().poses = brick::startPoses(run.model.tiles, run.bricks);
-  trajectory::writeTrajectory(run, folder / "run.h5");
-  const model::Model read = trajectory::readTrajectory(folder / "run.h5").model;
+  test::writeTrajectory(run, folder / "run.h5");
+  const model::Model read = test::readTrajectory(folder / "run.h5").model;
   EXPECT_EQ(formats::foldText(read), formats::foldText(scene.model));
   const std::vector<formats::FoldState> states = {{"t = 0 s", {}}, {"t = 1 s", scene.model.tiles}};
   EXPECT_EQ(formats::foldText(read, states), formats::foldText(scene.model, states));
@@ -275,8 +276,8 @@ TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
   const TemporaryFolder folder;
   trajectory::Trajectory written = randomTrajectory(3);
   std::swap(written.samples[1].steps[0], written.samples[1].steps[1]);
-  trajectory::writeTrajectory(written, folder / "run.h5");
-  EXPECT_THAT(test::refusalOf<InputError>([&] { trajectory::readTrajectory(folder / "run.h5"); }),
+  test::writeTrajectory(written, folder / "run.h5");
+  EXPECT_THAT(test::refusalOf<InputError>([&] { test::readTrajectory(folder / "run.h5"); }),
               HasSubstr("the times of the steps do not increase"));
 }
 
@@ -287,8 +288,8 @@ TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
   written.model.joints.clear();
   written.ground.reset();
   written.events.clear();
-  trajectory::writeTrajectory(written, folder / "run.h5");
-  const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+  test::writeTrajectory(written, folder / "run.h5");
+  const trajectory::Trajectory read = test::readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
   EXPECT_TRUE(read.events.empty());
 }
@@ -296,7 +297,7 @@ TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
 TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
   const TemporaryFolder folder;
   const trajectory::Trajectory written = randomTrajectory(2500);  // several chunks
-  trajectory::writeTrajectory(written, folder / "run.h5");
+  test::writeTrajectory(written, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   EXPECT_EQ(reader.times().size(), 2500U);
   for (const std::size_t k : {2499, 0, 1024, 1023, 7}) {
@@ -306,8 +307,8 @@ TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
 
 TEST(TrajectoryFile, HasTheSameBytesInTwoRuns) {
   const TemporaryFolder folder;
-  trajectory::writeTrajectory(randomTrajectory(30), folder / "first.h5");
-  trajectory::writeTrajectory(randomTrajectory(30), folder / "second.h5");
+  test::writeTrajectory(randomTrajectory(30), folder / "first.h5");
+  test::writeTrajectory(randomTrajectory(30), folder / "second.h5");
   EXPECT_TRUE(bytesOf(folder / "first.h5") == bytesOf(folder / "second.h5"));
 }
 
@@ -327,7 +328,7 @@ TEST(TrajectoryFile, OpensInPython) {
   }
   const TemporaryFolder folder;
   const trajectory::Trajectory written = randomTrajectory(50);
-  trajectory::writeTrajectory(written, folder / "run.h5");
+  test::writeTrajectory(written, folder / "run.h5");
   std::ofstream(folder / "read.py") << R"(
 import h5py, sys
 f = h5py.File(sys.argv[1])
@@ -367,7 +368,7 @@ TEST(TrajectoryFile, RefusesAMissingOrForeignFile) {
 TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  trajectory::writeTrajectory(randomTrajectory(200), file);
+  test::writeTrajectory(randomTrajectory(200), file);
   const auto whole = std::filesystem::file_size(file);
   for (const double share : {0.99, 0.5, 0.1, 0.001}) {
     std::filesystem::resize_file(file, static_cast<std::uintmax_t>(share * whole));
@@ -379,7 +380,7 @@ TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
 TEST(TrajectoryFile, NoticesAChangedByteAmongThePoses) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  trajectory::writeTrajectory(randomTrajectory(200), file);
+  test::writeTrajectory(randomTrajectory(200), file);
   const std::string whole = bytesOf(file);
   for (const double share : {0.4, 0.5, 0.6, 0.7}) {  // nearly all of the file are poses
     std::string bytes = whole;
@@ -395,7 +396,7 @@ std::string refusalAfter(const Change& change) {
   const TemporaryFolder folder;
   trajectory::Trajectory trajectory = randomTrajectory(3);
   change(trajectory);
-  trajectory::writeTrajectory(trajectory, folder / "run.h5");
+  test::writeTrajectory(trajectory, folder / "run.h5");
   const std::string message = refusalOf(folder / "run.h5");
   return message.substr(std::min(message.size(), message.find("error: ")));
 }
@@ -503,7 +504,7 @@ TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
 /// The error for a trajectory file after lines of Python that change `f`, the file in h5py.
 std::string refusalAfterPython(const std::string& lines) {
   const TemporaryFolder folder;
-  trajectory::writeTrajectory(randomTrajectory(3), folder / "run.h5");
+  test::writeTrajectory(randomTrajectory(3), folder / "run.h5");
   std::ofstream(folder / "change.py") << "import h5py, sys\nf = h5py.File(sys.argv[1], 'r+')\n"
                                       << lines << "\nf.close()\nprint('changed')\n";
   EXPECT_EQ(outputOf("/usr/bin/python3 '" + (folder / "change.py").string() + "' '" +
@@ -546,9 +547,8 @@ TEST(TrajectoryFile, RefusesStatesThatItsWriterNeverMakes) {
 }
 
 TEST(TrajectoryFile, ReportsThatItCannotBeWritten) {
-  EXPECT_THAT(test::refusalOf<OutputError>([] {
-                trajectory::writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5");
-              }),
+  EXPECT_THAT(test::refusalOf<OutputError>(
+                  [] { test::writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5"); }),
               HasSubstr("/proc/kirireel: error: cannot write in this folder"));
 }
 
