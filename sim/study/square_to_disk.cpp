@@ -44,22 +44,6 @@ std::vector<State> deployed(const scene::Scene& scene, const Method& method, dou
   return states;
 }
 
-/// The largest distance of a vertex from the mean of all.
-double radiusOf(const std::vector<model::Tile>& tiles) {
-  Vector3 mean = Vector3::Zero();
-  double count = 0;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) mean += vertex;
-    count += static_cast<double>(tile.vertices.size());
-  }
-  mean /= count;
-  double radius = 0;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
-  }
-  return radius;
-}
-
 // Deploys with a method and compares each kept state with the exact path at its own angle.
 std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   scene::Scene scene = familyScene("square-to-disk");
@@ -69,9 +53,9 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   std::vector<Row> rows;
   for (const State& state : states) {
     const std::vector<model::Tile> exact = motion.nearest(state.angle, state.tiles);
-    const double radius = radiusOf(state.tiles);
+    const double radius = trajectory::largestRadius(state.tiles);
     rows.push_back({method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
-                    cell(std::abs(radius - radiusOf(exact))),
+                    cell(std::abs(radius - trajectory::largestRadius(exact))),
                     cell(trajectory::vertexDistance(state.tiles, exact).largest), cell(state.gap)});
   }
   return rows;

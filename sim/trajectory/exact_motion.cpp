@@ -124,4 +124,18 @@ VertexDistance vertexDistance(const std::vector<model::Tile>& a,
   return result;
 }
 
+double largestRadius(const std::vector<model::Tile>& tiles) {
+  Vector3 mean = Vector3::Zero();
+  double count = 0, radius = 0;
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) mean += vertex;
+    count += static_cast<double>(tile.vertices.size());
+  }
+  mean /= count;
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
+  }
+  return radius;
+}
+
 }  // namespace kirireel::trajectory

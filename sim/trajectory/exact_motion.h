@@ -39,4 +39,7 @@ struct VertexDistance {
 };
 VertexDistance vertexDistance(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b);
 
+/// The largest distance of a vertex from the mean of all, metres.
+double largestRadius(const std::vector<model::Tile>& tiles);
+
 }  // namespace kirireel::trajectory

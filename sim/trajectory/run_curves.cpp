@@ -97,21 +97,6 @@ double meanTargetError(const Figures& figures) {
   return sum / count;
 }
 
-/// The largest distance of a vertex from the mean of all, metres.
-double largestRadius(const std::vector<model::Tile>& tiles) {
-  Vector3 mean = Vector3::Zero();
-  double count = 0, radius = 0;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) mean += vertex;
-    count += static_cast<double>(tile.vertices.size());
-  }
-  mean /= count;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
-  }
-  return radius;
-}
-
 /// NaN if the sheet has no exact motion.
 double shapeError(const Figures& figures, double VertexDistance::*value) {
   if (figures.exact.empty()) return kNone;
