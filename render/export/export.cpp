@@ -918,12 +918,9 @@ std::optional<double> numberBefore(const std::string& text, const std::string& e
 
 /// The nearest sample; the earlier one of two equally near ones.
 std::size_t nearestSample(const std::vector<double>& times, double time) {
-  // The first sample at or after the time.
-  const auto later = std::ranges::lower_bound(times, time);
-  if (later == times.begin()) return 0;
-  if (later == times.end()) return times.size() - 1;
-  const std::size_t index = later - times.begin();
-  return time - times[index - 1] <= times[index] - time ? index - 1 : index;
+  const auto nearest = std::ranges::min_element(
+      times, {}, [time](double sampled) { return std::abs(sampled - time); });
+  return static_cast<std::size_t>(nearest - times.begin());
 }
 
 /// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.

@@ -22,6 +22,7 @@
 #include "sim/base/words.h"
 #include "sim/formats/repairs.h"
 #include "sim/model/convex_parts.h"
+#include "sim/model/isometry.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/run/assembled_state.h"
 #include "sim/scene/scene_needs.h"
@@ -321,14 +322,6 @@ constexpr picture::Colour kTileNumber = {20, 30, 44};
 constexpr picture::Colour kVertexNumber = {150, 30, 30};
 constexpr picture::Colour kIgnoredLine = {30, 90, 200};
 
-std::vector<Vector3> allVertices(const std::vector<model::Tile>& tiles) {
-  std::vector<Vector3> points;
-  for (const model::Tile& tile : tiles) {
-    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
-  }
-  return points;
-}
-
 /// A point in the tile for its number: the centroid, or for a concave tile that of its largest
 /// part, since the tile's own may lie outside.
 Vector3 middleOf(const model::Tile& tile) {
@@ -371,7 +364,7 @@ model::Tile loopOf(const formats::DrawnPath& path, double height) {
 /// Lines and dots without a sheet.
 picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> dots,
                            picture::FrameSize size) {
-  const std::vector<Vector3> points = allVertices(lines);
+  const std::vector<Vector3> points = model::allVertices(lines);
   picture::CameraFit fit;
   fit.view = picture::defaultView(points);
   fit.aspect = size.aspect();
@@ -392,7 +385,7 @@ class StatePicture {
                const brick::BrickRule& rule, picture::FrameSize size,
                const std::optional<std::vector<formats::DrawnPath>>& ignored = {})
       : tiles_(tiles), order_(model.fileOrder), size_(size) {
-    const std::vector<Vector3> points = allVertices(tiles);
+    const std::vector<Vector3> points = model::allVertices(tiles);
     picture::CameraFit fit;
     fit.view = picture::defaultView(points);
     fit.aspect = size.aspect();
