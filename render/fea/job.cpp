@@ -327,9 +327,8 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
 void requireMappable(const ElementRule& rule) {
   if (rule.family == ElementFamily::Solid) return;
   throw InputError(
-      "error: --state-map moves solids; shells and plane elements have turns that it does not "
-      "know: "
-      "leave out --shells");
+      "error: --state-map moves solids only, because nodes of shells and plane elements also "
+      "rotate. Remove --shells and --plane-stress");
 }
 
 /// The model with the supports before its step.

@@ -543,7 +543,7 @@ TEST(StateMap, MovesSolids) {
   const fea::ElementMesh mesh =
       meshOf(test::hingedSquares(), {.family = fea::ElementFamily::Shell});
   EXPECT_THAT(test::refusalOf([&] { fea::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
-              HasSubstr("--state-map moves solids"));
+              HasSubstr("--state-map moves solids only"));
 }
 
 }  // namespace
