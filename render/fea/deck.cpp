@@ -371,8 +371,9 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 //
 // Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
-// as the same double usually fits. 14 digits with sign, point and exponent always fit: 1 + 1 + 1 +
-// 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below 1e-90 become zero.
+// as the same double usually fits. A sign, a point, 14 digits and an exponent of four characters
+// always fit. Exponents with three digits would need one more, so magnitudes below 1e-90 become
+// zero.
 //
 // Units. A deck has no units, and the user must keep them consistent. With lengths in mm and forces
 // in N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa). Mass is in tonnes, because 1 N = 1 t mm/s^2.

@@ -259,9 +259,9 @@ struct Footprint {
 };
 
 /// A four-sided tile as a grid of quadrilaterals: `first` along the edges 0 and 2, `second` along
-/// the edges 1 and 3, each >= 1. The points of an edge are equidistant, or, if graded, at (1 -
-/// cos(pi k / n)) / 2, denser towards its ends. Gives `first` x `second` cells and (first + 1) x
-/// (second + 1) points.
+/// the edges 1 and 3, each >= 1. The points of an edge are equidistant. If graded, they are denser
+/// towards its ends: (1 - cos(pi k / n)) / 2. Gives `first` x `second` cells and
+/// (first + 1) x (second + 1) points.
 Footprint gridFootprint(int first, int second, bool isGraded = false);
 
 /// A tile with any number of sides as triangles: a triangle stays whole, others are fans around the

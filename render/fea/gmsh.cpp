@@ -366,7 +366,7 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& 
 
 // ------------------------------------------------------------------------------------------------
 // Nodes are sorted by their projections on a direction that no grid has. Only neighbours in that
-// order need to be compared. Where tiles overlap, two nodes may move equally: then one of them is
+// order need to be compared. If tiles overlap, two nodes may move equally: then one of them is
 // moved again.
 //
 // Let s be the diagonal of the nodes' bounding box. Two nodes coincide if they are less than

@@ -75,7 +75,7 @@ const std::vector<int>& loopOf(const writers::NeckOutline& outline, int region) 
 /// The ends of the sheet, in the plane of the outline.
 EndEdges endsOf(const writers::NeckOutline& outline, double tileSize) {
   std::vector<std::vector<Vector3>> polygons;
-  // Regions are connected where two have the same line.
+  // Two regions with a common line are connected.
   std::vector<PolygonLink> links;
   std::map<std::pair<int, int>, int> firstWith;
   for (const auto* loops : {&outline.tiles, &outline.necks}) {

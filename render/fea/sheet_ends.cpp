@@ -1,6 +1,5 @@
 // An end of a sheet is what a person would hold: the edges that face outwards there. They are found
-// in a plane. A flat sheet lies in it; of any other sheet it is seen along the axis in which it is
-// thinnest.
+// in a plane: that of a flat sheet, or the projection of any other sheet along its thinnest axis.
 //
 // - Axes: the sides of the smallest rectangle around all points. Rhombi have two such rectangles.
 //   The one is chosen whose longer side has the direction u with the larger

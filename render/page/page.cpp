@@ -717,10 +717,11 @@ Json camerasJson(const picture::Appearance& appearance, const picture::PictureCo
 //
 // together below 1.9 s.
 //
-// Rounded entries e(k) of one number over the samples k are stored as second differences d(k) =
-// e(k) - 2 e(k-1) + e(k-2), exactly invertible in whole numbers. Motion is smooth, so d is a few
-// steps, fits into 16 bits and compresses well. Zigzag coding maps 0, -1, 1, -2, ... to 0, 1, 2, 3,
-// ...: the upper bytes of small numbers of either sign are zero.
+// Rounded entries e(k) of one number over the samples k are stored as second differences, which are
+// exactly invertible in whole numbers:
+//   d(k) = e(k) - 2 e(k-1) + e(k-2)
+// Motion is smooth, so d is a few steps, fits into 16 bits and compresses well. Zigzag coding maps
+// 0, -1, 1, -2 to 0, 1, 2, 3 and so on: the upper bytes of small numbers of either sign are zero.
 //
 // The text is base 64 of zlib (RFC 1950) of planes of bytes. Browsers have a decompressor but no
 // HDF5, and JSON numbers would take several times as much.

@@ -173,8 +173,8 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 
 /// A list of {"name", "key", "fits": [{"aspect", "eye", "centre", "up", "orthographic",
 /// "field_of_view", "view_height"}, ...]}. The view of the style comes first. Fits are ordered from
-/// narrow to wide, and the page uses the widest one that fits in its canvas. Aspect is width /
-/// height. Costs five fits per view, each O(n) in the points of the content.
+/// narrow to wide, and the page uses the widest one that fits in its canvas. Aspect is the width
+/// over the height. Costs five fits per view, each O(n) in the points of the content.
 Json camerasJson(const picture::Appearance& appearance, const picture::PictureContent& content);
 
 }  // namespace kirireel::page

@@ -10,11 +10,12 @@
 // Fit in parallel projection: the points are projected on these axes. The picture's height is the
 // larger of their height and their width / aspect, divided by 1 - 2 margin and by the zoom.
 //
-// Fit in perspective: let z be along `back`, the eye at (X, Z), and s = tan(field of view / 2) (1 -
-// 2 margin). A point (x, z) is inside if |x - X| <= s (Z - z). With r = max(x + s z) and l = min(x
-// - s z) the smallest Z is (r - l) / 2 s, at X = (r + l) / 2. The larger Z of the picture's two
-// directions is taken. The zoom then narrows the field of view and does not move the eye, so the
-// perspective does not change.
+// Fit in perspective: let z be along `back`, and the eye at (X, Z). A point (x, z) is inside if
+//   |x - X| <= s (Z - z),    s = tan(field of view / 2) (1 - 2 margin)
+// The smallest Z of all points is (r - l) / 2 s, at X = (r + l) / 2, with
+//   r = max(x + s z),    l = min(x - s z)
+// The larger Z of the picture's two directions is taken. The zoom then narrows the field of view
+// and does not move the eye, so the perspective does not change.
 //
 // For rotating cameras, a ball around all points is fitted instead, which has the same size from
 // every side. The cone with half the angle t of the shorter side touches a ball of radius R at the

@@ -170,7 +170,7 @@ std::shared_ptr<void> fontPattern(const FontFile& font) {
 
 // ------------------------------------------------------------------------------------------------
 // Fallback fonts. fontconfig sorts the fonts of the machine by the number of missing characters
-// that they have, then by similarity. Each character has the first of these fonts that has it.
+// that they have, then by similarity. A character is drawn with the first font that has it.
 // Fonts of bitmaps or of colours have no outlines for vector graphics, so they are skipped.
 
 namespace {
@@ -231,7 +231,7 @@ std::vector<FontFile> findFallback(const std::string& family, Weight weight,
   return found;
 }
 
-/// The same, searched once: each frame of a video has the same texts.
+/// The same, remembered after the first search: each frame of a video has the same texts.
 std::vector<FontFile> fallbackFonts(const std::string& family, Weight weight,
                                     const std::u32string& missing) {
   static std::mutex mutex;
@@ -267,7 +267,7 @@ bool isInvisible(char32_t letter) {
          (letter >= 0xfe00 && letter <= 0xfe0f) || (letter >= 0xe0100 && letter <= 0xe01ef);
 }
 
-/// The script of each character. Spaces, digits and marks have that of the text before them.
+/// The script of each character. Spaces, digits and marks get the script of the text before them.
 std::vector<hb_script_t> scriptsOf(const std::u32string& letters) {
   std::vector<hb_script_t> scripts;
   hb_script_t last = HB_SCRIPT_COMMON;
@@ -455,7 +455,7 @@ struct LabelWriter::Fonts {
     return fallbackFonts(familyOf(0), isBold ? Weight::Bold : Weight::Regular, missing);
   }
 
-  /// The font of each character. A mark has that of its base if it can.
+  /// The font of each character. A mark gets the font of its base if that has the mark.
   std::vector<std::size_t> fontsFor(const std::u32string& letters) {
     const std::u32string missing = missingOf(letters);
     const std::vector<FontFile> fallback = fallbackFor(missing);

@@ -13,7 +13,7 @@
 
 namespace kirireel::picture {
 
-/// How many samples a pixel is the mean of.
+/// Number of samples whose mean is a pixel.
 enum class Smoothness {
   Still,  ///< 2 x 3
   Film,   ///< 2 x 2: frames that follow each other, two thirds of the time

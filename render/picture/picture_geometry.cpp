@@ -450,9 +450,10 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
 // corners. This is Lambert's formula, exact for polygons above the point's horizon, at which they
 // are clipped first (J. Arvo, "Analytic Methods for Simulated Light Transport", 1995, section 4.3).
 // The faces of a convex brick that face the point tile its outline, so their fractions add up to
-// that of the brick. Bricks that may hide each other are treated as independent: 1 - prod_b (1 -
-// w_b F_b). The weight w_b falls to 0 at a reach of two or three tiles, so creases, gaps and the
-// insides of tubes are dark.
+// that of the brick. Bricks that may hide each other are treated as independent:
+//   1 - prod_b (1 - w_b F_b)
+// The weight w_b falls to 0 at a reach of two or three tiles, so creases, gaps and the insides of
+// tubes are dark.
 //
 // The result is smooth in the poses and needs no random directions. It is one number per face, so
 // faces have one colour in pixels and in vector graphics.

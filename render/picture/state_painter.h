@@ -337,7 +337,7 @@ bool needsView(const Appearance& appearance);
 void requireVertices(const std::vector<TracedVertex>& trails,
                      const std::vector<brick::Brick>& bricks);
 
-/// Where a vertex of a brick is: the middle between its bottom and its top.
+/// The position of a vertex of a brick: the middle between its bottom and its top.
 Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
                        const TracedVertex& vertex);
 

@@ -1,6 +1,6 @@
 // The plot is drawn once (PlotSheet). Each frame blends it and the dots.
 //
-// Text is 6 points high where a frame is 160 mm wide, at least 9 pixels. All lengths follow from
+// Text is 6 points high in a frame that is 160 mm wide, at least 9 pixels. All lengths follow from
 // this em. At an even pace the horizontal axis is the share of the motion, at real pace the time,
 // like captions.
 //

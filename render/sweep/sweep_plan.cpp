@@ -127,7 +127,7 @@ SweepPlan SweepPlan::latinHypercube(const std::vector<SweepRangeAxis>& axes, std
 std::uint64_t SweepPlan::size() const {
   if (axes_.empty()) return rows_.size();
   constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max();
-  // The product is capped where it would overflow.
+  // The product is capped if it would overflow.
   std::uint64_t size = 1;
   for (const auto& values : axes_) {
     if (values.empty()) return 0;

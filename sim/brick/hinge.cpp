@@ -268,8 +268,8 @@ const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces) {
 // Bertoldi, Elastic vector solitons in soft architected materials, Phys. Rev. Lett. 118, 2017. The
 // strains are those of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
 // nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b relative
-// to its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 /
-// 2.
+// to its chord has the energy
+//   E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 / 2.
 //
 // The points of a pin separate by d from point A to point B. The directions n across and t along
 // its slit turn by the mean m of both bricks' turns since the start: dn/dm = t, dt/dm = -n. Then
@@ -380,8 +380,8 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
   ofShear[2] -= 0.5;
   ofShear[5] -= 0.5;
   const Vector6 across = slope.transpose() * t;
-  // The second derivative of |l| is t t^T / |l| by l, plus n . d2l. That of the angle is -(n t^T +
-  // t n^T) / |l|^2, plus t . d2l / |l|.
+  // The second derivative of |l| by l, plus n . d2l, and that of the angle, plus t . d2l / |l|:
+  //   t t^T / |l|,    -(n t^T + t n^T) / |l|^2
   const Matrix6 stretchBend = across * across.transpose() / length + bendOf(armA, armB, n);
   const Matrix6 mixed = ofStretch * across.transpose();
   const Matrix6 shearBend =

@@ -40,7 +40,7 @@ struct CornerNeckRow {
   double shear = 0;    ///< sliding along the slit per force along it, times E t
 };
 
-/// How many angles there are, each with the same widths.
+/// Number of angles. All have the same widths.
 inline constexpr std::size_t kCornerNeckAngles = 4;
 
 /// By ascending angle, and for one angle by ascending width.
@@ -85,9 +85,9 @@ inline constexpr auto kCornerNeckTable = std::to_array<CornerNeckRow>({
 });
 // clang-format on
 
-/// CornerNeck::opening, 1/rad and 1/rad^2, of all widths and angles: decks of squares with large
-/// displacements to 0.6 rad, of the hyperelastic material that *ELASTIC is there (linear in Green's
-/// strain).
+/// CornerNeck::opening, 1/rad and 1/rad^2, of all widths and angles: from decks of squares with
+/// large displacements up to 0.6 rad. *ELASTIC is then a hyperelastic material, linear in Green's
+/// strain.
 inline constexpr std::array<double, 2> kCornerNeckOpening = {0.35, -0.25};
 
 }  // namespace kirireel::brick

@@ -13,7 +13,7 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// An open end of a cut, and its straight continuation. Lengths in metres.
 struct CutRay {
-  int node = 0;                     ///< of the arrangement; -1 if it is none
+  int node = 0;                     ///< of the arrangement; -1 for the tip of an opening
   Vector2 from = Vector2::Zero();   ///< position of the end
   Vector2 along = Vector2::Zero();  ///< unit vector
   double straight = 0;              ///< straight length of the cut up to its end

@@ -686,7 +686,7 @@ class SheetMaker {
   };
 
   /// Nodes of two lines that are corners of both tiles next to them, of the chains between other
-  /// nodes. `cutEnds` are none.
+  /// nodes. `cutEnds` are not corners.
   std::set<int> bendsOf(const Arrangement& whole, const std::set<int>& cutEnds) const {
     std::set<int> bends;
     std::vector<bool> isVisited(whole.edges().size(), false);

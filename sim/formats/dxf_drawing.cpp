@@ -161,7 +161,7 @@ class DxfReader {
   double value(const DxfGroup& group) const {
     return drawnNumber(group.value, {file_, group.line});
   }
-  /// The same, and its decimals count.
+  /// The value of a coordinate. Its decimals show the rounding of the drawing.
   double coordinate(const DxfGroup& group) {
     return drawnNumber(group.value, {file_, group.line}, &decimals_);
   }

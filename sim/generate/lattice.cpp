@@ -49,8 +49,8 @@ std::vector<model::Joint> latticeJoints(const Lattice& lattice, model::JointFace
 // differences of F_odd only, rotated by -theta/2. Those of an odd tile are rotated by +theta/2.
 // Joints stay closed: both tiles compute their common corner as the same sum. Neighbours therefore
 // turn by theta against each other. The regular field has its constants at the positions of a
-// lattice of parallelograms with sides a (along) and b (up), as complex numbers: with x = column -
-// (columns - 1)/2 and y = row - (rows - 1)/2,
+// lattice of parallelograms with sides a (along) and b (up), as complex numbers:
+//   x = column - (columns - 1)/2,            y = row - (rows - 1)/2,
 //   F_even = (x + y)/2 a - (x - y)/2 b,      F_odd = (x - y)/2 a + (x + y)/2 b
 
 Complex TurningField::corner(const Cell& cell, int corner, double angle) const {

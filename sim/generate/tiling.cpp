@@ -359,9 +359,9 @@ Tiling stampfliTiling(int tiles) {
 // *Removal*: each edge between remaining tiles gets one joint at a fixed end. The sheet can open.
 // Parts with a common vertex are joined there.
 //
-// *Expansion*: with a vertex V, the dual D of a tile (complex, m), the spread s and t = theta/2 -
-// pi/4, the corner of the tile at the vertex is at
-//   v(theta) = V e^(i t) + s D e^(-i t)
+// *Expansion*: with a vertex V, the dual D of a tile (complex, m) and the spread s, the corner of
+// the tile at the vertex is at
+//   v(theta) = V e^(i t) + s D e^(-i t),    t = theta/2 - pi/4
 // A tile has one D and turns by t, the cell of a vertex has one V and turns by -t. Both stay rigid
 // and joined at their common corners. At theta = pi/2 (t = 0) the result is the sum of tiling and
 // grids. L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4,

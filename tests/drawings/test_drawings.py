@@ -4,9 +4,9 @@
     test_drawings.py quick|long [MODEL ...]
 
 A model's start is drawn with necks: lines (kerf 0) or closed outlines of slots. The drawing is then
-turned, moved and rounded, in relative paths, polylines and transforms. What the program reads has to
-have the same tiles, joints and motions. Joints are where they were within 1e-6 of the sheet and
-twice the rounding; within the kerf where there is one. After the models of data/ come random members
+turned, moved and rounded, in relative paths, polylines and transforms. The program must read the
+same tiles, joints and motions. Joints move by at most 1e-6 of the sheet and twice the rounding, or
+by the kerf if there is one. After the models of data/ come random members
 of all planar families, with necks of 0.5 to 8% of a tile, but not thinner than 0.6 kerfs: less than
 half a kerf counts as burnt. Returns 1 for a difference, 77 (skipped) without NumPy. The program is
 $KIRIREEL_PROGRAM.

@@ -44,7 +44,7 @@ class Interruption(unittest.TestCase):
     def check(self, what, work, moments=(0.05, 0.3, 1.0)):
         """Repeated work ends soon after a Ctrl-C at any of these seconds.
 
-        Where much else runs on the machine, a try may be late by that: three are made.
+        Other programs on the machine may delay an attempt, so there are three.
         """
         for seconds in moments:
             for _ in range(3):

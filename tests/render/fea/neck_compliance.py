@@ -14,7 +14,7 @@ neck, one after the other. Prints what they give, without dimensions:
     stretch   E t times how far they part at the axis per force along x through it
     shear     E t times how far they slide along y at the corner per force along y
 
-With a MOMENT in N m, above 0 where it closes the slit, instead ten of its parts, with large
+With a MOMENT in N m, above 0 if it closes the slit, instead ten of its parts, with large
 displacements: the turn in radians, and the moment.
 """
 import itertools

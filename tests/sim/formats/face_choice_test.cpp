@@ -70,7 +70,7 @@ TEST(FaceChoice, SheetWithoutTargetIsClassifiedAtTheStart) {
   EXPECT_EQ(chosenFace(model), model::JointFace::Top);
 }
 
-/// Joints at the top of the published sphere to saddle, or -1 where it is not there.
+/// Joints at the top of the published sphere to saddle, or -1 if the file is missing.
 std::ptrdiff_t topsOfPublishedSaddle(formats::FaceRule rule) {
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models/sphere-to-saddle";

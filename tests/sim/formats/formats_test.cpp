@@ -142,7 +142,7 @@ TEST(Formats, ReadsPlanarFiles) {
   EXPECT_EQ(model.joints[1].apart.norm(), 1);
 }
 
-/// A number's bytes, the most significant first where the order is big.
+/// A number's bytes, the most significant first if the order is big.
 template <typename T>
 std::string bytesOf(T value, bool isBig) {
   std::string bytes(sizeof value, 0);
