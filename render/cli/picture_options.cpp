@@ -162,17 +162,8 @@ namespace {
 
 /// The quantity of the colours, and their scale.
 void addScaleOptions(OptionGroup& group, picture::Appearance& appearance) {
-  // Measures of single bricks need a scale, "plain" and "shape" do not.
   group.choice<picture::Colouring>("--colour", appearance.colouring,
-                                   {{"plain", picture::Colouring::Plain},
-                                    {"shape", picture::Colouring::Shape},
-                                    {"state", picture::Colouring::State},
-                                    {"error", picture::Colouring::TargetError},
-                                    {"displacement", picture::Colouring::Displacement},
-                                    {"rotation", picture::Colouring::Rotation},
-                                    {"gap", picture::Colouring::JointGap},
-                                    {"moment", picture::Colouring::Moment},
-                                    {"energy", picture::Colouring::Energy}},
+                                   {picture::kColourings.begin(), picture::kColourings.end()},
                                    "quantity shown by the bricks' colours");
   group.choice<picture::ColourMap>("--colour-map", appearance.map,
                                    {{"viridis", picture::ColourMap::Viridis},

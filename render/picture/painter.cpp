@@ -1,8 +1,7 @@
 // A picture in five steps:
 //
 // - 1. GeometryBuilder makes flat polygons of the view of the camera
-//   (geometry.h), in five layers: ground, shadow, solid, translucent,
-//   overlay.
+//   (picture_geometry.h), in five layers: ground, shadow, solid, translucent, overlay.
 // - 2. Tessellator converts the first four to triangles in clip coordinates. Translucent polygons
 //   are first cut and sorted from far to near (makePieces), since blending requires that order
 //   everywhere.

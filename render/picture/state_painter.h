@@ -46,6 +46,19 @@ enum class Colouring {
   Energy,        ///< its part of the energy of these springs and of its bars
 };
 
+/// How options and summaries spell them. Measures of single bricks need a scale, "plain" and
+/// "shape" do not.
+inline constexpr std::array<std::pair<const char*, Colouring>, 9> kColourings{
+    {{"plain", Colouring::Plain},
+     {"shape", Colouring::Shape},
+     {"state", Colouring::State},
+     {"error", Colouring::TargetError},
+     {"displacement", Colouring::Displacement},
+     {"rotation", Colouring::Rotation},
+     {"gap", Colouring::JointGap},
+     {"moment", Colouring::Moment},
+     {"energy", Colouring::Energy}}};
+
 /// Ground under the bricks.
 enum class GroundLook {
   Auto,    ///< a plate and a shadow if the scene has a ground, else nothing

@@ -220,30 +220,6 @@ Json paintedViewJson(const std::optional<picture::AutomaticView>& view) {
           {"roll_deg", view->angles.roll / kDegree}};
 }
 
-const char* colouringWord(picture::Colouring colouring) {
-  switch (colouring) {
-    case picture::Colouring::Shape:
-      return "shape";
-    case picture::Colouring::State:
-      return "state";
-    case picture::Colouring::TargetError:
-      return "error";
-    case picture::Colouring::Displacement:
-      return "displacement";
-    case picture::Colouring::Rotation:
-      return "rotation";
-    case picture::Colouring::JointGap:
-      return "gap";
-    case picture::Colouring::Moment:
-      return "moment";
-    case picture::Colouring::Energy:
-      return "energy";
-    case picture::Colouring::Plain:
-      break;
-  }
-  return "plain";
-}
-
 /// The word of a choice in its table.
 template <typename Choices, typename Choice>
 const char* wordOf(const Choices& choices, Choice choice) {
@@ -252,7 +228,7 @@ const char* wordOf(const Choices& choices, Choice choice) {
 
 Json appearanceJson(const picture::Appearance& appearance) {
   return {{"theme", appearance.theme == picture::Theme::Dark ? "dark" : "light"},
-          {"colour", colouringWord(appearance.colouring)},
+          {"colour", wordOf(picture::kColourings, appearance.colouring)},
           {"ground", wordOf(picture::kGroundLooks, appearance.ground)},
           {"transparent", appearance.transparent},
           {"outlines", appearance.outlines},
