@@ -81,7 +81,7 @@ class Stepper : public JointSolver {
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
   void forgetSteps() override;
-  void setHalving(bool isOn) override { settings_.isHalving = isOn; }
+  bool setHalving(bool isOn) override { return std::exchange(settings_.isHalving, isOn); }
   void setFine(bool isOn) override { settings_.isFine = isOn; }
   std::vector<ContactLoad> contactLoads() const override;
   std::vector<TouchForce> touchForces(const Poses& poses) const override;

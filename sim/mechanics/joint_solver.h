@@ -142,8 +142,8 @@ class JointSolver {
   virtual void setJointStiffness(double stiffness) = 0;
   /// Forgets impulses of earlier steps, as after trial steps.
   virtual void forgetSteps() = 0;
-  /// Sets JointSolverSettings::isHalving.
-  virtual void setHalving(bool isOn) = 0;
+  /// Sets JointSolverSettings::isHalving. Returns its previous value.
+  virtual bool setHalving(bool isOn) = 0;
   /// Sets whether velocities and closed joints are found to rounding. Near singular states, the
   /// tolerances for dynamics let moves depend on the axes and on the order of the bricks.
   virtual void setFine(bool isOn) = 0;

@@ -33,8 +33,7 @@ constexpr double kLongest = 60;      // duration of the motion, over the longest
 constexpr double kProbe = 1.0 / 64;  // step that measures accelerations, over the longest step
 constexpr double kSingular = 0.1;    // share of a displacement that closing takes away
 constexpr double kFirstOrder = 0.1;  // steps of first order, over the time to kReach
-constexpr long kStepsOfLoads = 100;  // of these, halves included
-constexpr long kStepsFromCentre = 500;
+constexpr int kSteps = 30;           // of these
 constexpr double kSameSize = 1e-6;   // of changes that end a search, over the size
 constexpr double kSameSpeed = 1e-6;  // of changes that end a projection, over the speed
 constexpr double kSameEnd = 1e-6;    // of changes of the last speed that end the collocation
@@ -113,7 +112,7 @@ class DepartureSearch {
 
   LoadSource loadsAfter(double seconds) const;
   LoadSource forces(const Move& accelerations) const;
-  std::optional<Move> follow(const LoadSource& loads, long mostSteps);
+  std::optional<Move> follow(const LoadSource& loads);
   std::optional<Move> moveOnPath();
 
   bool projectFully(Motion& motion);
@@ -196,27 +195,30 @@ bool DepartureSearch::isSingular() {
 }
 
 /// Steps of first order under these loads, until a state at the distance kReach is reached. Returns
-/// its displacement, or nothing if they do not leave the start.
-std::optional<Move> DepartureSearch::follow(const LoadSource& loads, long mostSteps) {
+/// its displacement, or nothing if they do not leave the start. Joints cannot close at the end of
+/// the first steps. Steps of half the length would fail too, so these continue with open joints.
+std::optional<Move> DepartureSearch::follow(const LoadSource& loads) {
   Motion state = start_;
   const double step = kFirstOrder * timeTo(kReach, size(free_));
-  const long last = report_.steps + mostSteps;
+  const double goal = kReach * settings_.lengthScale;
   Move move = moveTo(state.poses);
-  while (report_.steps < last && size(move) < kReach * settings_.lengthScale) {
+  const bool wasHalving = solver_.setHalving(false);
+  for (int k = 0; k < kSteps && size(move) < goal; ++k) {
     report_ += solver_.advance(state, step, loads, nullptr);
     move = moveTo(state.poses);
   }
+  solver_.setHalving(wasHalving);
   solver_.forgetSteps();
-  if (size(move) < kReach * settings_.lengthScale) return std::nullopt;
+  if (size(move) < goal) return std::nullopt;
   return move;
 }
 
 /// The displacement to a state on a path, on the side to which the loads pull.
 std::optional<Move> DepartureSearch::moveOnPath() {
-  std::optional<Move> move = follow(loadsAfter(0), kStepsOfLoads);
-  if (!move) move = follow(forces(fromCentre()), kStepsFromCentre);
+  std::optional<Move> move = follow(loadsAfter(0));
+  if (!move) move = follow(forces(fromCentre()));
   if (!move || product(*move, free_) >= 0) return move;
-  return follow(forces(scaled(-size(free_) / size(*move), *move)), kStepsFromCentre);
+  return follow(forces(scaled(-size(free_) / size(*move), *move)));
 }
 
 /// Projects velocities onto those that joints allow, again until nothing changes: near a singular

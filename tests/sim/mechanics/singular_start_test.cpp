@@ -79,7 +79,8 @@ MotionOnPath motionOnPath(int columns, int rows, double angle) {
 }
 
 TEST(SingularStart, BricksAccelerateAlongThePath) {
-  for (const auto& [columns, rows] : {std::pair{3, 3}, {4, 4}, {3, 8}, {5, 5}, {6, 6}, {10, 10}}) {
+  for (const auto& [columns, rows] :
+       {std::pair{3, 3}, {4, 4}, {3, 8}, {5, 5}, {6, 6}, {10, 10}, {20, 20}}) {
     for (const bool planar : {true, false}) {
       if (!planar && columns * rows > 25) continue;
       JoinedBricks sheet(tessellation(columns, rows, 0));
