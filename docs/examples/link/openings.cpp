@@ -26,11 +26,11 @@ void openSheet(const char* picture) {
   scene::Scene scene;
   scene.model = generate::generateModel(generate::familyNamed("tessellation"), {{"columns", 6}});
   scene.brick.thickness = 0.02;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, {});
-  const Poses& end = run.trajectory.samples.back().poses;
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
+  const Poses& end = result.trajectory.samples.back().poses;
   std::printf("%s: %zu samples, %.3f m wide at the start, %.3f m at the end\n",
-              deploy::toString(run.outcome).c_str(), run.trajectory.samples.size(),
-              width(scene.model.tiles), width(brick::bottomTiles(run.trajectory.bricks, end)));
+              run::toString(result.outcome).c_str(), result.trajectory.samples.size(),
+              width(scene.model.tiles), width(brick::bottomTiles(result.trajectory.bricks, end)));
 
   const picture::FrameSize size{640, 480};
   picture::StatePainter painter(size, {}, picture::makeContent(scene.model, scene.brick, {}));
