@@ -53,7 +53,7 @@ void requireValidSettings(const std::filesystem::path& file, const VideoSettings
 /// Throws OutputError if this machine's libavcodec lacks the encoder for such a file.
 void requireEncoder(const std::filesystem::path& file, const VideoSettings& settings);
 
-/// Index of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo"); "auto" has that of
+/// Index of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo"). "auto" counts as
 /// "veryfast". 10 for an unknown word.
 int presetStep(const std::string& preset);
 

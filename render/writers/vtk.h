@@ -21,7 +21,7 @@ namespace kirireel::writers {
 ///   vertex, the same at bottom and top);
 /// - of the state: `TimeValue` (seconds) and the sample's measures.
 ///
-/// `start` holds the poses that displacements count from.
+/// Displacements are relative to the poses `start`.
 std::string vtuText(const trajectory::Subject& subject, const Poses& start,
                     const trajectory::Sample& sample, const LengthUnit& unit = {});
 
