@@ -237,8 +237,14 @@ class Mechanism {
 
   // Resets contacts: overlaps at these poses count as overlaps of the start.
   void restart(const Poses& start) {
-    aim_ = 1;
-    dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start,
+    start_ = start;
+    forgetMoves(aim_);
+  }
+
+  /// Continues anywhere, with the given aim, as if there had been no moves since the last restart.
+  void forgetMoves(double aim) {
+    aim_ = aim;
+    dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start_,
                                   contacts::FaceContact::Plane);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
@@ -334,6 +340,7 @@ class Mechanism {
   double tile_;     // metres
   double aim_ = 1;  // the fraction of the distance at which moves aim, (0, 1]
   std::vector<brick::Brick> bricks_;
+  Poses start_;  // whose overlaps may remain
   std::unique_ptr<run::Dynamics> dynamics_;
 };
 
@@ -392,8 +399,8 @@ class Continuation {
     if (ascent_ > 0 && !isTouching()) refine();
     omitRest();
     if (!isTouching()) removeDrift();
-    // Rounding is not motion.
-    if (path_.length() <= model::kClosedShare * tile_) {
+    // Neither rounding nor creep among bricks that lock each other is motion.
+    if (path_.length() <= std::max(model::kClosedShare * tile_, creep())) {
       path_.states.resize(1);
       path_.lengths.resize(1);
       poses_ = path_.states.front();
@@ -407,7 +414,7 @@ class Continuation {
   struct Progress {
     Poses poses;
     run::MechanismPath path;
-    double ascent;
+    double ascent, aim;
   };
 
   static ContinuationSettings heldBy(ContinuationSettings settings, double closedStiffness) {
@@ -525,6 +532,18 @@ class Continuation {
     path_.lengths = run::pathLengths(mechanism_.bricks(), path_.states);
   }
 
+  /// The longest path, metres, that may be due to overlaps which contacts tolerate. Bricks that
+  /// lock each other to second order move by x if they overlap by x^2 / 2 of a tile.
+  double creep() const {
+    if (!isTouching()) return 0;
+    const std::vector<brick::Pivot> pivots =
+        brick::makePivots(scene_.model.joints, mechanism_.bricks());
+    const double overlap =
+        run::overlapMeter(scene_.environment, mechanism_.bricks(), pivots, path_.states.front())
+            .grownAt(poses_);
+    return std::sqrt(2 * tile_ * overlap);
+  }
+
   /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
   void omitRest() {
     const auto distanceToLast = [&](std::size_t state) {
@@ -543,7 +562,7 @@ class Continuation {
   /// a mirrored sheet takes the opposite one. Returns whether the extent grew. If not, the state is
   /// restored.
   bool leaveSaddle() {
-    const Progress before{poses_, path_, ascent_};
+    const Progress before{poses_, path_, ascent_, mechanism_.aim()};
     std::optional<Progress> farthest;
     double needed = (1 + kMoreExtent) * extent(poses_, pieces_);
     for (const double angle : {kPerturbation, -kPerturbation}) {
@@ -552,7 +571,7 @@ class Continuation {
       extend();
       const double extended = extent(poses_, pieces_);
       if (!(extended > needed)) continue;
-      farthest = {poses_, path_, ascent_};
+      farthest = {poses_, path_, ascent_, mechanism_.aim()};
       needed = (1 + kMoreExtent) * extended;
     }
     returnTo(farthest.value_or(before));
@@ -573,7 +592,7 @@ class Continuation {
     poses_ = place.poses;
     path_ = place.path;
     ascent_ = place.ascent;
-    mechanism_.restart(poses_);
+    mechanism_.forgetMoves(place.aim);
   }
 
   /// Jumps to the closed state near the guide, if there is one.

@@ -595,6 +595,20 @@ TEST(Continuation, ReportsThatFlushTilesHoldEachOther) {
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
+/// Contacts tolerate overlaps. In inches, these flush tiles creep by 1.06e-3 of a tile. In metres
+/// they do not move.
+TEST(Continuation, CreepOfFlushTilesIsNoMotion) {
+  scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {}));
+  scene.environment.contacts = scene::ContactFilter::All;
+  for (model::Tile& tile : scene.model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = 0.0254 * (64 / 0.0254 * vertex);
+  }
+  scene.brick.thickness *= 64;
+  run::SearchBudget budget;
+  EXPECT_EQ(path::continueToExtension(scene, run::kExactJoints, budget).length(), 0);
+}
+
 TEST(Continuation, ReportsOverlapsAtFullExtension) {
   const scene::Scene scene =
       sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 78}}));
