@@ -94,7 +94,7 @@ std::string describeJoints(const scene::Scene& scene, const record::RunSummary& 
 /// The tolerance in time of the steps of a run, and the exceptions; empty for runs without such
 /// steps. The total error is only known if it was measured.
 std::string describeTime(const scene::Scene& scene, const record::RunSummary& summary) {
-  const run::DeployCost& cost = summary.deployCost;
+  const run::DeployCost& cost = summary.cost;
   scene::Scene run = scene;
   run.path = summary.path;
   const bool isContinuation = summary.path.kind == scene::PathKind::Continuation;
@@ -197,7 +197,7 @@ std::string describeBlocking(const std::vector<run::BlockingPair>& blocking,
 
 /// CPU seconds of all threads together, and total wall time.
 std::string describeCost(const record::RunSummary& summary) {
-  const run::DeployCost& deploy = summary.deployCost;
+  const run::DeployCost& deploy = summary.cost;
   const record::RecordCost& record = summary.recordCost;
   std::string text =
       fmt::format("{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",

@@ -163,31 +163,15 @@ struct PictureReport {
   std::vector<std::string> files;  ///< relative to the folder, in the order written
 };
 
-/// The contents of summary.json, without the settings.
-struct RunSummary : PictureReport {
-  run::Outcome outcome = run::Outcome::OutOfTime;  ///< how the run ended
-  std::string reason;                              ///< one line: reason for the end
-  std::optional<bool> atTarget;                    ///< at the end; absent without a target drive
-  std::string shortfall;  ///< why the run counts as incomplete; empty if it is complete
-  double endTime = 0;     ///< simulated seconds
+/// The contents of summary.json, without the settings. The trajectory has no samples if the run
+/// passed them on.
+struct RunSummary : PictureReport, run::DeploymentResult {
+  double endTime = 0;  ///< simulated seconds
   /// Time at which the first brick was farther away than pictures show (see kFarthestShown),
   /// simulated seconds. Its data continue.
   std::optional<double> leftOutFrom;
-  scene::Needs needs;                             ///< modelled features, with reasons
-  scene::PathSettings path;                       ///< path of the run
-  std::string pathReason;                         ///< one short phrase: reason for the path
-  std::vector<run::PathEvaluation> candidates;    ///< tested kinematic paths, in order
-  run::Accuracy accuracy;                         ///< gaps, errors and overlaps
-  std::optional<double> timeError;                ///< tiles; see run::DeploymentResult
-  double assembledError = -1;                     ///< metres; < 0 if not computed
-  std::vector<run::BlockingPair> blocking;        ///< bricks that block each other at the target
-  std::vector<std::string> warnings;              ///< about the target, one line each
-  std::vector<trajectory::Event> events;          ///< actions of the timeline, end of the run
-  run::DeployCost deployCost;                     ///< of the run itself
-  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
-  std::optional<brick::Elasticity> elasticity;    ///< absent if no hinge has a spring
-  std::string leftOut;                            ///< why an export is missing; usually empty
-  std::vector<output::FileDigest> digests;        ///< of all files but summary.json
+  std::string leftOut;                      ///< why an export is missing; usually empty
+  std::vector<output::FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// Progress of a run, for a progress line. `stage` is a string literal.

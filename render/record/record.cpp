@@ -132,30 +132,9 @@ void nameInterruption(const std::string& by, run::DeploymentResult& result) {
   result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
 }
 
-/// Field by field, because recording adds fields to a summary.
-void noteResult(const run::DeploymentResult& result, double endTime, RunSummary& summary) {
-  summary.outcome = result.outcome;
-  summary.reason = result.reason;
-  summary.atTarget = result.atTarget;
-  summary.shortfall = result.shortfall;
-  summary.endTime = endTime;
-  summary.needs = result.needs;
-  summary.accuracy = result.accuracy;
-  summary.timeError = result.timeError;
-  summary.path = result.path;
-  summary.pathReason = result.pathReason;
-  summary.candidates = result.candidates;
-  summary.assembledError = result.assembledError;
-  summary.blocking = result.blocking;
-  summary.warnings = result.warnings;
-  summary.deployCost = result.cost;
-  summary.elasticity = result.elasticity;
-  summary.loadCurve = result.loadCurve;
-  summary.events = result.trajectory.events;
-}
-
 void summarize(const RunEnd& end, RunSummary& summary) {
-  noteResult(end.result, end.last->time, summary);
+  static_cast<run::DeploymentResult&>(summary) = end.result;
+  summary.endTime = end.last->time;
   summary.leftOutFrom = end.leftOutFrom;
 }
 
@@ -437,8 +416,8 @@ int PictureSettings::painters() const {
 }
 
 RunSummary summaryOf(const run::DeploymentResult& result, double endTime) {
-  RunSummary summary;
-  noteResult(result, endTime, summary);
+  RunSummary summary{{}, result};
+  summary.endTime = endTime;
   return summary;
 }
 

@@ -84,7 +84,7 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   }
   json[run::kAssembledError] = onlyIf(summary.assembledError >= 0, summary.assembledError);
   json["time_error"] = summary.timeError ? Json(*summary.timeError) : Json(nullptr);
-  addStepFigures(json, "accuracy", summary.deployCost.took);
+  addStepFigures(json, "accuracy", summary.cost.took);
   return json;
 }
 
@@ -122,7 +122,7 @@ Json candidatesJson(const std::vector<run::PathEvaluation>& candidates) {
 
 /// Times in simulated seconds, work in multiplications; null if a kind of path has no such value.
 Json pathJson(const RunSummary& summary) {
-  const double searchLimit = summary.deployCost.searchLimit;
+  const double searchLimit = summary.cost.searchLimit;
   const scene::PathSettings& path = summary.path;
   const bool isGuided = path.kind == scene::PathKind::Guided;
   const bool isKinematic = path.kind == scene::PathKind::Continuation;
@@ -131,7 +131,7 @@ Json pathJson(const RunSummary& summary) {
                                  : "straight"},
           {"reason", summary.pathReason},
           {"candidates", candidatesJson(summary.candidates)},
-          {"search_work", summary.deployCost.searchWork},
+          {"search_work", summary.cost.searchWork},
           {"search_limit", onlyIf(std::isfinite(searchLimit), searchLimit)},
           {"open_time", onlyIf(isGuided && path.openTime > 0, path.openTime)},
           {"guide_time", onlyIf(isGuided, path.guideTime)},
@@ -163,9 +163,9 @@ Json alignmentJson(const scene::StartAlignment& alignment, bool hasTarget) {
 /// CPU seconds by stage, wall seconds for all, bytes.
 Json costJson(const RunSummary& summary) {
   Json json = Json::object();
-  addStepFigures(json, "cost", summary.deployCost.took);
-  json.update({{"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
-               {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
+  addStepFigures(json, "cost", summary.cost.took);
+  json.update({{"cpu_seconds_search", summary.cost.cpuSecondsSearch},
+               {"cpu_seconds_deploy", summary.cost.cpuSeconds},
                {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
                {"cpu_seconds_encode", summary.recordCost.cpuSecondsEncode},
                {"wall_seconds", summary.recordCost.wallSeconds},
@@ -376,7 +376,7 @@ std::string summaryJson(const scene::Scene& scene, const RecordSettings& setting
   };
   json.update(findingsJson(scene, summary));
   json.update(Json{
-      {"events", eventsJson(summary.events)},
+      {"events", eventsJson(summary.trajectory.events)},
       {"settings", settingsJson(scene, settings)},
       {"view", paintedViewJson(summary.view)},
       {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
