@@ -33,7 +33,8 @@ constexpr double kLongest = 60;      // duration of the motion, over the longest
 constexpr double kProbe = 1.0 / 64;  // step that measures accelerations, over the longest step
 constexpr double kSingular = 0.1;    // share of a displacement that closing takes away
 constexpr double kFirstOrder = 0.1;  // steps of first order, over the time to kReach
-constexpr int kSteps = 30;           // of these
+constexpr long kSteps = 30;          // of these
+constexpr long kHalvedSteps = 300;   // of these, halves included
 constexpr double kSameSize = 1e-6;   // of changes that end a search, over the size
 constexpr double kSameSpeed = 1e-6;  // of changes that end a projection, over the speed
 constexpr double kSameEnd = 1e-6;    // of changes of the last speed that end the collocation
@@ -112,8 +113,9 @@ class DepartureSearch {
 
   LoadSource loadsAfter(double seconds) const;
   LoadSource forces(const Move& accelerations) const;
-  std::optional<Move> follow(const LoadSource& loads);
-  std::optional<Move> moveOnPath();
+  std::optional<Move> follow(const LoadSource& loads, long mostSteps);
+  std::optional<Move> moveOnPath(long mostSteps);
+  std::optional<Departure> findWithin(long mostSteps);
 
   bool projectFully(Motion& motion);
   std::optional<Motion> nearestOnPath(const Move& desired, const Move& velocities,
@@ -195,30 +197,27 @@ bool DepartureSearch::isSingular() {
 }
 
 /// Steps of first order under these loads, until a state at the distance kReach is reached. Returns
-/// its displacement, or nothing if they do not leave the start. Joints cannot close at the end of
-/// the first steps. Steps of half the length would fail too, so these continue with open joints.
-std::optional<Move> DepartureSearch::follow(const LoadSource& loads) {
+/// its displacement, or nothing if they do not leave the start.
+std::optional<Move> DepartureSearch::follow(const LoadSource& loads, long mostSteps) {
   Motion state = start_;
   const double step = kFirstOrder * timeTo(kReach, size(free_));
-  const double goal = kReach * settings_.lengthScale;
+  const long last = report_.steps + mostSteps;
   Move move = moveTo(state.poses);
-  const bool wasHalving = solver_.setHalving(false);
-  for (int k = 0; k < kSteps && size(move) < goal; ++k) {
+  while (report_.steps < last && size(move) < kReach * settings_.lengthScale) {
     report_ += solver_.advance(state, step, loads, nullptr);
     move = moveTo(state.poses);
   }
-  solver_.setHalving(wasHalving);
   solver_.forgetSteps();
-  if (size(move) < goal) return std::nullopt;
+  if (size(move) < kReach * settings_.lengthScale) return std::nullopt;
   return move;
 }
 
 /// The displacement to a state on a path, on the side to which the loads pull.
-std::optional<Move> DepartureSearch::moveOnPath() {
-  std::optional<Move> move = follow(loadsAfter(0));
-  if (!move) move = follow(forces(fromCentre()));
+std::optional<Move> DepartureSearch::moveOnPath(long mostSteps) {
+  std::optional<Move> move = follow(loadsAfter(0), mostSteps);
+  if (!move) move = follow(forces(fromCentre()), mostSteps);
   if (!move || product(*move, free_) >= 0) return move;
-  return follow(forces(scaled(-size(free_) / size(*move), *move)));
+  return follow(forces(scaled(-size(free_) / size(*move), *move)), mostSteps);
 }
 
 /// Projects velocities onto those that joints allow, again until nothing changes: near a singular
@@ -348,9 +347,9 @@ std::optional<Departure> DepartureSearch::collocate(const Move& along, double di
   return std::nullopt;
 }
 
-/// The shortest motion that rounding allows.
-std::optional<Departure> DepartureSearch::find() {
-  const std::optional<Move> along = moveOnPath();
+/// The shortest motion that rounding allows, along a path that this number of steps finds.
+std::optional<Departure> DepartureSearch::findWithin(long mostSteps) {
+  const std::optional<Move> along = moveOnPath(mostSteps);
   if (!along) return std::nullopt;
   // An acceleration `pull` times `along`.
   const double pull = product(*along, free_) / product(*along, *along);
@@ -360,6 +359,17 @@ std::optional<Departure> DepartureSearch::find() {
     if (auto result = collocate(*along, distance, duration)) return result;
   }
   return std::nullopt;
+}
+
+/// Joints cannot close after the first steps. Halves of them mostly fail too, at 250 times the
+/// cost, so these come last.
+std::optional<Departure> DepartureSearch::find() {
+  const bool wasHalving = solver_.setHalving(false);
+  std::optional<Departure> found = findWithin(kSteps);
+  solver_.setHalving(true);
+  if (!found) found = findWithin(kHalvedSteps);
+  solver_.setHalving(wasHalving);
+  return found;
 }
 
 }  // namespace
