@@ -410,8 +410,8 @@ class Continuation {
   }
 
  private:
-  /// Where the extension has arrived.
-  struct Progress {
+  /// The poses and the path of an extension so far.
+  struct ExtensionState {
     Poses poses;
     run::MechanismPath path;
     double ascent, aim;
@@ -562,8 +562,8 @@ class Continuation {
   /// a mirrored sheet takes the opposite one. Returns whether the extent grew. If not, the state is
   /// restored.
   bool leaveSaddle() {
-    const Progress before{poses_, path_, ascent_, mechanism_.aim()};
-    std::optional<Progress> farthest;
+    const ExtensionState before{poses_, path_, ascent_, mechanism_.aim()};
+    std::optional<ExtensionState> farthest;
     double needed = (1 + kMoreExtent) * extent(poses_, pieces_);
     for (const double angle : {kPerturbation, -kPerturbation}) {
       returnTo(before);
@@ -588,7 +588,7 @@ class Continuation {
     return place;
   }
 
-  void returnTo(const Progress& place) {
+  void returnTo(const ExtensionState& place) {
     poses_ = place.poses;
     path_ = place.path;
     ascent_ = place.ascent;
