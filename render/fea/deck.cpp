@@ -865,13 +865,6 @@ int cornerOf(const TileElements& tile, int node) {
   return static_cast<int>(std::ranges::find_if(tile.edges, holds) - tile.edges.begin());
 }
 
-/// The nodes of a corner that a joint on this face holds.
-std::vector<int> heldNodes(const std::vector<int>& edge, model::JointFace face) {
-  if (face == model::JointFace::Bottom) return {edge.front()};
-  if (face == model::JointFace::Top) return {edge.back()};
-  return edge;
-}
-
 model::JointFace faceOf(const JointNodes& joint, const TileElements& tile) {
   if (joint.isHinge) return model::JointFace::Both;
   const std::vector<int>& edge = tile.edges[cornerOf(tile, joint.a[0])];

@@ -793,23 +793,10 @@ Footprint gridFootprint(int first, int second, bool isGraded) {
 }
 
 Footprint fanFootprint(int sides, int halfPerEdge) {
-  const int whole = 6 * halfPerEdge * halfPerEdge;
-  Footprint footprint;
-  SharedPoints points(footprint, whole);
-  // A triangle needs no centre: its sides are the tile's edges.
-  if (sides == 3) {
-    appendTriangle({0, 1, 2}, {0, 1, 2}, halfPerEdge, points, footprint);
-  } else {
-    for (int k = 0; k < sides; ++k) {
-      // Base `sides` is the centre. Only the side from vertex k to the next is an edge.
-      appendTriangle({sides, k, (k + 1) % sides}, {-1, k, -1}, halfPerEdge, points, footprint);
-    }
-  }
-  for (int k = 0; k < sides; ++k) {
-    footprint.corners.push_back(points.find({k, k, k}, {whole, 0, 0}));
-  }
-  finish(footprint);
-  return footprint;
+  if (sides == 3) return triangleFootprint({{0, 1, 2}}, sides, halfPerEdge);
+  std::vector<std::array<int, 3>> triangles;  // base `sides` is the centre
+  for (int k = 0; k < sides; ++k) triangles.push_back({sides, k, (k + 1) % sides});
+  return triangleFootprint(triangles, sides, halfPerEdge);
 }
 
 Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
@@ -820,9 +807,8 @@ Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, in
   for (const std::array<int, 3>& triangle : triangles) {
     std::array<int, 3> onEdge{};
     for (int k = 0; k < 3; ++k) {
-      // Triangles have only vertices. A side to the next vertex is an edge, any other a diagonal
-      // within the tile.
-      const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
+      // A side from a vertex to the next one is an edge, any other lies within the tile.
+      const bool isEdge = triangle[k] < sides && triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
       onEdge[k] = isEdge ? triangle[k] : -1;
     }
     appendTriangle(triangle, onEdge, halfPerEdge, points, footprint);
@@ -832,6 +818,12 @@ Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, in
   }
   finish(footprint);
   return footprint;
+}
+
+std::vector<int> heldNodes(const std::vector<int>& edge, model::JointFace face) {
+  if (face == model::JointFace::Bottom) return {edge.front()};
+  if (face == model::JointFace::Top) return {edge.back()};
+  return edge;
 }
 
 std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells) {
@@ -876,13 +868,6 @@ bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
 // would diverge with smaller elements. With a patch of fixed radius it converges.
 
 namespace {
-
-/// Edges go from the bottom to the top; a shell has one node there.
-std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
-  if (face == model::JointFace::Bottom) return {edge.front()};
-  if (face == model::JointFace::Top) return {edge.back()};
-  return edge;
-}
 
 void joinAll(const JointNodes& joint, JointStyle style, DisjointSets& sets) {
   for (std::size_t k = 0; k < joint.a.size(); ++k) {
@@ -1081,8 +1066,8 @@ std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                       j + static_cast<std::size_t>(countsFrom)));
     }
     nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,
-                     nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
-                     nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
+                     heldNodes(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
+                     heldNodes(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }
   return nodes;
 }

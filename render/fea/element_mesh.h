@@ -80,6 +80,9 @@ struct TileElements {
   std::vector<ElementFace> sides;       ///< all side faces, sorted by tile edge
 };
 
+/// The nodes of a corner that a joint on this face holds. The edge is one of TileElements::edges.
+std::vector<int> heldNodes(const std::vector<int>& edge, model::JointFace face);
+
 /// The nodes of a joint on its two tiles, pair by pair: the bottom node, the top node, or all nodes
 /// of the edge through the thickness. Shells have one node.
 struct JointNodes {
@@ -271,8 +274,9 @@ Footprint gridFootprint(int first, int second, bool isGraded = false);
 /// as many for others.
 Footprint fanFootprint(int sides, int halfPerEdge);
 
-/// A concave tile as these anticlockwise triangles of its vertices, each divided like those of a
-/// fan. The triangles must cover the tile without overlap and share whole sides.
+/// A tile as these anticlockwise triangles of its vertices, each divided like those of a fan. The
+/// number `sides` is its centre. The triangles must cover the tile without overlap and share whole
+/// sides.
 Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
                             int halfPerEdge);
 
