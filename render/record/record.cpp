@@ -408,6 +408,26 @@ bool isOutput(const std::string& name, const RecordSettings& settings) {
   return false;
 }
 
+/// Calls `paint` with settings of a temporary folder. Its files appear in the asked folder when all
+/// of them are complete.
+PictureReport paintFiles(PictureSettings settings, const std::vector<std::string>& models,
+                         const std::function<void(const PictureSettings&, PictureReport&)>& paint) {
+  const Stopwatch stopwatch;
+  output::FileSet files(settings.folder, output::kContents);
+  files.requireFree([&settings](const std::string& name) {
+    return name == output::kContents || isPicture(name, settings);
+  });
+  settings.folder = files.stage();
+  settings.madeBy = madeBy(models);
+  PictureReport report;
+  prepareGraphics(settings);
+  paint(settings, report);
+  if (!report.files.empty()) files.commit(report.files);
+  report.recordCost.wallSeconds = stopwatch.seconds();
+  report.recordCost.peakMemoryBytes = peakMemoryBytes();
+  return report;
+}
+
 }  // namespace
 
 int PictureSettings::painters() const {
@@ -477,28 +497,16 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
 
 PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
                      const ProgressObserver& observer) {
-  const Stopwatch stopwatch;
   requireValidSettings(settings);
   const trajectory::TrajectoryReader run(trajectory);
-  output::FileSet files(settings.folder, output::kContents);
-  files.requireFree([&settings](const std::string& name) {
-    return name == output::kContents || isPicture(name, settings);
-  });
-  PictureSettings aside = settings;
-  aside.folder = files.stage();
-  aside.madeBy = madeBy({run.subject().model.name});
-  PictureReport report;
-  prepareGraphics(settings);
-  makePictures(run, aside, observer, report);
-  if (!report.files.empty()) files.commit(report.files);
-  report.recordCost.wallSeconds = stopwatch.seconds();
-  report.recordCost.peakMemoryBytes = peakMemoryBytes();
-  return report;
+  return paintFiles(settings, {run.subject().model.name},
+                    [&](const PictureSettings& aside, PictureReport& report) {
+                      makePictures(run, aside, observer, report);
+                    });
 }
 
 PictureReport renderSeveral(const std::vector<std::filesystem::path>& trajectories,
                             const PictureSettings& asked, const ProgressObserver& observer) {
-  const Stopwatch stopwatch;
   PictureSettings settings = asked;
   settings.grid.rows = static_cast<int>(trajectories.size());
   requireValidSettings(settings);
@@ -510,25 +518,14 @@ PictureReport renderSeveral(const std::vector<std::filesystem::path>& trajectori
     runs.push_back(opened.back().get());
     models.push_back(runs.back()->subject().model.name);
   }
-  output::FileSet files(settings.folder, output::kContents);
-  files.requireFree([&settings](const std::string& name) {
-    return name == output::kContents || isPicture(name, settings);
-  });
-  settings.folder = files.stage();
-  settings.madeBy = madeBy(models);
-  PictureReport report;
-  prepareGraphics(settings);
-  const std::vector<std::string> names = namesOf(runs, trajectories);
-  if (settings.paintsFrames()) makeSideBySide(runs, names, settings, observer, report);
-  if (settings.snapshots) {
-    std::vector<PanelRow> rows = figureRows(runs, settings);
+  return paintFiles(settings, models, [&](const PictureSettings& aside, PictureReport& report) {
+    const std::vector<std::string> names = namesOf(runs, trajectories);
+    if (aside.paintsFrames()) makeSideBySide(runs, names, aside, observer, report);
+    if (!aside.snapshots) return;
+    std::vector<PanelRow> rows = figureRows(runs, aside);
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].head = names[k];
-    PanelSheet(rows, settings.grid, settings, report).write();
-  }
-  if (!report.files.empty()) files.commit(report.files);
-  report.recordCost.wallSeconds = stopwatch.seconds();
-  report.recordCost.peakMemoryBytes = peakMemoryBytes();
-  return report;
+    PanelSheet(rows, aside.grid, aside, report).write();
+  });
 }
 
 }  // namespace kirireel::record
