@@ -124,6 +124,12 @@ model::Model readPlanarFiles(const std::filesystem::path& named, const ReadSetti
 /// writing fails.
 void writePlanarFiles(const model::Model& model, const std::filesystem::path& vertices);
 
+/// The first `dimensions` coordinates of all vertices, a line per tile.
+std::string tilesText(const std::vector<model::Tile>& tiles, int dimensions);
+
+/// Lines "tile vertex", zero-based.
+std::string hullText(const std::vector<model::Corner>& hull);
+
 // ------------------------------------------------------------------------------------------------
 // Cut patterns, drawings for a cutter.
 

@@ -406,19 +406,6 @@ void makeRods(const JointTable& rows, model::Model& model, std::vector<std::stri
                                  counted(rods, "joint is a rod", "joints are rods"), length));
 }
 
-std::string planarTileText(const std::vector<model::Tile>& tiles) {
-  std::string text;
-  for (const model::Tile& tile : tiles) {
-    const char* separator = "";
-    for (const Vector3& vertex : tile.vertices) {
-      text += fmt::format("{}{} {}", separator, vertex.x(), vertex.y());
-      separator = " ";
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 std::string planarJointText(const std::vector<model::Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
   std::string text;
@@ -448,15 +435,9 @@ model::SheetFrame requirePlanar(const model::Model& model, const fs::path& file)
 void writePlanarFiles(const model::Model& inOrder, const fs::path& vertices) {
   const model::SheetFrame frame = requirePlanar(inOrder, vertices);
   const model::Model model = model::inFileOrder(inOrder);
-  writeTextFile(vertices,
-                unitLine(model.unit) + planarTileText(model::toFrame(frame, model.tiles)));
+  writeTextFile(vertices, unitLine(model.unit) + tilesText(model::toFrame(frame, model.tiles), 2));
   writeTextFile(partFile(vertices, "constraints"), planarJointText(model.joints));
-  if (!model.hull) return;
-  std::string hull;
-  for (const model::Corner& corner : *model.hull) {
-    hull += fmt::format("{} {}\n", corner.tile, corner.vertex);
-  }
-  writeTextFile(partFile(vertices, "hull"), hull);
+  if (model.hull) writeTextFile(partFile(vertices, "hull"), hullText(*model.hull));
 }
 
 bool holdsPlanarModel(const fs::path& vertices) {

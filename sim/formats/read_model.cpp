@@ -403,20 +403,6 @@ std::vector<model::Corner> readHull(const fs::path& file, const std::vector<mode
                      fmt::format("{} corners enclose nothing; {}", hull.size(), kHullPurpose));
 }
 
-std::string tilesText(const std::vector<model::Tile>& tiles) {
-  std::string text;
-  for (const model::Tile& tile : tiles) {
-    const char* separator = "";
-    for (const Vector3& vertex : tile.vertices) {
-      // "{}" writes the shortest digits that read back as the same double.
-      text += fmt::format("{}{} {} {}", separator, vertex.x(), vertex.y(), vertex.z());
-      separator = " ";
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 /// Requires a free path: models may be drawn by hand, so files are never overwritten or mixed.
 void requireFree(const fs::path& file, const std::string& text) {
   std::error_code ignored;
@@ -446,13 +432,6 @@ std::string neckText(const std::vector<model::Joint>& joints) {
     const model::Neck& neck = joints[k].neck;
     if (neck) text += fmt::format("{} {} {} {}\n", k, neck.width, neck.length, neck.kerf);
   }
-  return text;
-}
-
-std::string hullText(const std::vector<model::Corner>& hull) {
-  std::string text;
-  for (const model::Corner& corner : hull)
-    text += fmt::format("{} {}\n", corner.tile, corner.vertex);
   return text;
 }
 
@@ -516,16 +495,38 @@ std::vector<model::Tile> readTileFile(const fs::path& file) {
   return readTiles(file).tiles;
 }
 
+std::string tilesText(const std::vector<model::Tile>& tiles, int dimensions) {
+  std::string text;
+  for (const model::Tile& tile : tiles) {
+    const char* separator = "";
+    for (const Vector3& vertex : tile.vertices) {
+      // "{}" writes the shortest digits that read back as the same double.
+      text +=
+          fmt::format("{}{}", separator, fmt::join(vertex.data(), vertex.data() + dimensions, " "));
+      separator = " ";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string hullText(const std::vector<model::Corner>& hull) {
+  std::string text;
+  for (const model::Corner& corner : hull)
+    text += fmt::format("{} {}\n", corner.tile, corner.vertex);
+  return text;
+}
+
 void writeModelFolder(const model::Model& inOrder, const fs::path& folder) {
   const model::Model model = model::inFileOrder(inOrder);
   requireKinds(model, {model::JointKind::Pivot}, "constraints.txt supports only joints at corners",
                folder);
   // An empty text means that the file must not exist.
   const std::vector<std::pair<const char*, std::string>> files = {
-      {"vertices.txt", unitLine(model.unit) + tilesText(model.tiles)},
+      {"vertices.txt", unitLine(model.unit) + tilesText(model.tiles, 3)},
       {"constraints.txt", jointText(model.joints)},
       {"necks.txt", neckText(model.joints)},
-      {"target.txt", model.target ? tilesText(*model.target) : ""},
+      {"target.txt", model.target ? tilesText(*model.target, 3) : ""},
       {"pull.txt",
        model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},
       {"hull.txt", model.hull ? hullText(*model.hull) : ""}};
@@ -539,7 +540,7 @@ void writeModelFolder(const model::Model& inOrder, const fs::path& folder) {
 
 void writeTiles(const std::vector<model::Tile>& tiles, const fs::path& file,
                 const LengthUnit& unit) {
-  writeTextFile(file, unitLine(unit) + tilesText(tiles));
+  writeTextFile(file, unitLine(unit) + tilesText(tiles, 3));
 }
 
 }  // namespace kirireel::formats
