@@ -46,6 +46,20 @@ Eigen::Vector2d rectangleSides(const std::vector<Eigen::Vector2d>& points, doubl
   return box.sizes();
 }
 
+/// Whether each tile is perpendicular to one axis, the same for all. Rounding keeps such tiles in
+/// their plane, so the distances of parallel tiles are real.
+bool areAcrossAxis(const std::vector<Tile>& tiles, double tolerance) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool areAcross = std::ranges::all_of(tiles, [&](const Tile& tile) {
+      return std::ranges::all_of(tile.vertices, [&](const Vector3& vertex) {
+        return std::abs(vertex[axis] - tile.vertices.front()[axis]) <= tolerance;
+      });
+    });
+    if (areAcross) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 double flatTolerance(const Model& model) {
@@ -87,7 +101,9 @@ SheetFrame frameAlong(const Vector3& normal, const Vector3& origin) {
 }
 
 std::optional<SheetFrame> sheetFrame(const Model& model) {
-  return sheetFrame(model.tiles, flatTolerance(model));
+  const double size = modelSize(model);
+  const bool isExact = areAcrossAxis(model.tiles, kFlat * size);
+  return sheetFrame(model.tiles, flatTolerance(size, isExact ? 0 : model.rounding));
 }
 
 SheetFrame viewFrame(const Model& model) {

@@ -64,7 +64,8 @@ SheetFrame frameAlong(const Vector3& normal, const Vector3& origin);
 /// unchanged. Needs at least one tile, and each tile needs an area.
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance);
 
-/// The same for the start of a model, to flatTolerance().
+/// The same for the start of a model, to flatTolerance(). Parallel layers across an axis are not
+/// flat, even if the file has few digits.
 std::optional<SheetFrame> sheetFrame(const Model& model);
 
 /// The frame in which the start of a model is seen from above, also if it is not flat: then along

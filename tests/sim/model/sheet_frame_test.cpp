@@ -108,6 +108,26 @@ TEST(SheetFrames, AreAbsentIfOneVertexLeavesThePlane) {
   EXPECT_FALSE(model::sheetFrame(model.tiles, 1e-8));
 }
 
+// Coordinates with two decimals: 0.02 is less than five of their digits.
+TEST(SheetFrames, AreAbsentForLayersInAFileWithFewDigits) {
+  for (int axis = 0; axis < 3; ++axis) {
+    model::Model model;
+    for (const double level : {0.0, 0.02}) {
+      model::Tile tile;
+      for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+        const Vector3 vertex(x, y, level);
+        tile.vertices.emplace_back(vertex[(3 - axis) % 3], vertex[(4 - axis) % 3],
+                                   vertex[(5 - axis) % 3]);
+      }
+      model.tiles.push_back(tile);
+    }
+    model.rounding = 0.005;
+    EXPECT_FALSE(model::sheetFrame(model)) << axis;
+    for (Vector3& vertex : model.tiles[1].vertices) vertex[(axis + 2) % 3] = 0;
+    EXPECT_TRUE(model::sheetFrame(model)) << axis;
+  }
+}
+
 TEST(SheetFrames, TurnOneClockwiseTileInAnyPlane) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 5; ++trial) {
