@@ -1,8 +1,10 @@
 // A primal-dual interior-point method with Mehrotra's predictor and corrector. With the slack s of
 // the constraints and the multipliers l of them and u = c - l of t >= 0, a step solves
 //   (H + A' W A) dy = -(H y + g - A' l) + A' W r,   W = 1 / (t / u + s / l),
-// whose matrix has the band of H. J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition,
-// 2006, chapter 16. If the minimum without constraints satisfies all of them, it is the solution.
+// whose matrix has the band of H. It starts at y = 0, where the constraints hold with their slacks
+// and violations and all products s l and t u are equal. J. Nocedal, S. J. Wright, Numerical
+// Optimization, 2nd edition, 2006, chapter 16. If the minimum without constraints satisfies all of
+// them, it is the solution.
 #include "sim/path/banded_program.h"
 
 #include <algorithm>
@@ -10,9 +12,10 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "sim/base/interruption.h"
+#include "sim/mechanics/dense_kernels.h"
 
 namespace kirireel::path {
 namespace {
@@ -22,8 +25,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxSteps = 25;
-// Initial slacks over the largest bound; initial multipliers over the largest gradient.
-constexpr double kFirst = 1e-2;
+// Initial products of slacks and multipliers over those of the largest bound and gradient, and the
+// smallest initial slack over the largest bound.
+constexpr double kFirstProduct = 0.03;
+constexpr double kFirstSlack = 1e-3;
 // The price of a violated constraint, over the largest gradient.
 constexpr double kPrice = 1e3;
 // A step uses this fraction of the distance at which a slack or a multiplier becomes zero.
@@ -74,18 +79,20 @@ class InteriorPoint {
     }
   }
 
-  BandedSolution find() {
+  BandedSolution find(MatrixXd unconstrained) {
+    if (unconstrained.size() == 0 || isFeasible(unconstrained)) return {std::move(unconstrained)};
     y_ = MatrixXd::Zero(program_.gradient.rows(), program_.gradient.cols());
-    MatrixXd free = unconstrained();
-    if (free.size() == 0 || isFeasible(free)) return {std::move(free), 1};
+    weighted_ = program_.hessian;
     size_ = program_.priceScale;
     top_ = std::max(bounds_.abs().maxCoeff(), std::numeric_limits<double>::min());
-    slack_ = (-bounds_).max(kFirst * top_);
-    excess_ = ArrayXd::Constant(count_, kFirst * top_);
-    multiplier_ = ArrayXd::Constant(count_, kFirst * size_);
-    other_ = kPrice * size_ - multiplier_;
+    const double product = kFirstProduct * size_ * top_;
+    const double price = kPrice * size_;
+    slack_ = (product / price - bounds_).max(kFirstSlack * top_);
+    excess_ = slack_ + bounds_;
+    multiplier_ = product / slack_;
+    other_ = price - multiplier_;
     computeResiduals();
-    int steps = 1;
+    int steps = 0;
     while (steps < kMaxSteps && !isSolved(kAim)) {
       checkInterruption();
       ++steps;
@@ -100,11 +107,6 @@ class InteriorPoint {
     MatrixXd y;
     ArrayXd slack, excess, multiplier;
   };
-
-  MatrixXd unconstrained() const {
-    const BandedCholesky factor(program_.hessian);
-    return factor.isDefinite() ? factor.solve(-program_.gradient) : MatrixXd();
-  }
 
   ArrayXd constraintsOf(const MatrixXd& y) const {
     VectorXd values(count_);
@@ -145,52 +147,50 @@ class InteriorPoint {
            primal_.abs().maxCoeff() < tolerance.feasibility * top_;
   }
 
-  Direction direction(const BandedCholesky& factor, const ArrayXd& weights, const ArrayXd& toSlack,
+  Direction direction(const ArrayXd& weights, const ArrayXd& toSlack,
                       const ArrayXd& toExcess) const {
     const ArrayXd right = -primal_ - toExcess / other_ + toSlack / multiplier_;
     Direction found;
-    found.y = factor.solve(transposed(weights * right) - dual_);
+    found.y = factor_.solve(transposed(weights * right) - dual_);
     found.multiplier = weights * (right - constraintsOf(found.y));
     found.slack = (toSlack - slack_ * found.multiplier) / multiplier_;
     found.excess = (toExcess + excess_ * found.multiplier) / other_;
     return found;
   }
 
-  std::pair<double, double> stepsAlong(const Direction& by) const {
-    return {std::min(stepFor(slack_, by.slack), stepFor(excess_, by.excess)),
-            std::min(stepFor(multiplier_, by.multiplier), stepFor(other_, -by.multiplier))};
+  double stepAlong(const Direction& by) const {
+    return std::min({stepFor(slack_, by.slack), stepFor(excess_, by.excess),
+                     stepFor(multiplier_, by.multiplier), stepFor(other_, -by.multiplier)});
   }
 
   bool step() {
     const ArrayXd weights = 1 / (excess_ / other_ + slack_ / multiplier_);
     const VectorXd roots = weights.sqrt().matrix();
-    BandedMatrix matrix = program_.hessian;
     Eigen::Index row = 0;
-    for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
+    for (std::size_t i = 0; i < weighted_.diagonal.size(); ++i) {
       const MatrixXd& rows = program_.constraints[i];
       const MatrixXd weighted = roots.segment(row, rows.rows()).asDiagonal() * rows;
-      matrix.diagonal[i].selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+      weighted_.diagonal[i] = program_.hessian.diagonal[i];
+      weighted_.diagonal[i].selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
       row += rows.rows();
     }
-    const BandedCholesky factor(std::move(matrix));
-    if (!factor.isDefinite()) return false;
-    const Direction predicted =
-        direction(factor, weights, -slack_ * multiplier_, -excess_ * other_);
-    const auto [primal, dual] = stepsAlong(predicted);
+    if (!factor_.factorize(weighted_)) return false;
+    const Direction predicted = direction(weights, -slack_ * multiplier_, -excess_ * other_);
+    const double tried = stepAlong(predicted);
     const double reached =
-        (((slack_ + primal * predicted.slack) * (multiplier_ + dual * predicted.multiplier)).sum() +
-         ((excess_ + primal * predicted.excess) * (other_ - dual * predicted.multiplier)).sum()) /
+        (((slack_ + tried * predicted.slack) * (multiplier_ + tried * predicted.multiplier)).sum() +
+         ((excess_ + tried * predicted.excess) * (other_ - tried * predicted.multiplier)).sum()) /
         (2.0 * count_);
     const double aim = gap_ * std::pow(reached / gap_, 3);
-    const Direction corrected = direction(
-        factor, weights, aim - slack_ * multiplier_ - predicted.slack * predicted.multiplier,
-        aim - excess_ * other_ + predicted.excess * predicted.multiplier);
-    const auto [first, second] = stepsAlong(corrected);
-    y_ += first * corrected.y;
-    slack_ += first * corrected.slack;
-    excess_ += first * corrected.excess;
-    multiplier_ += second * corrected.multiplier;
-    other_ -= second * corrected.multiplier;
+    const Direction corrected =
+        direction(weights, aim - slack_ * multiplier_ - predicted.slack * predicted.multiplier,
+                  aim - excess_ * other_ + predicted.excess * predicted.multiplier);
+    const double step = stepAlong(corrected);
+    y_ += step * corrected.y;
+    slack_ += step * corrected.slack;
+    excess_ += step * corrected.excess;
+    multiplier_ += step * corrected.multiplier;
+    other_ -= step * corrected.multiplier;
     return true;
   }
 
@@ -203,51 +203,75 @@ class InteriorPoint {
   ArrayXd multiplier_, other_;  // l, u
   ArrayXd primal_;
   MatrixXd dual_;
-  double gap_ = 0;  // mean product of a slack and its multiplier
+  BandedMatrix weighted_;  // H + A' W A
+  BandedCholesky factor_;  // of this matrix
+  double gap_ = 0;         // mean product of a slack and its multiplier
 };
 
 }  // namespace
 
-BandedCholesky::BandedCholesky(BandedMatrix matrix) : factor_(std::move(matrix)) {
-  const std::size_t count = factor_.diagonal.size();
-  for (std::size_t i = 0; i < count && isDefinite_; ++i) {
-    MatrixXd& block = factor_.diagonal[i];
-    auto lower = block.selfadjointView<Eigen::Lower>();
-    if (i >= 1) lower.rankUpdate(factor_.first[i - 1], -1);
-    if (i >= 2) lower.rankUpdate(factor_.second[i - 2], -1);
-    const Eigen::LLT<MatrixXd> root(block);
-    isDefinite_ = root.info() == Eigen::Success;
-    block = root.matrixL();
-    const auto upper = block.triangularView<Eigen::Lower>();
-    // B L^-T for a block B below the diagonal, by columns of its transpose.
-    const auto divide = [&](MatrixXd& below) {
-      below = upper.solve(below.transpose()).transpose().eval();
-    };
-    if (i + 1 < count) {
-      if (i >= 1) factor_.first[i] -= factor_.second[i - 1] * factor_.first[i - 1].transpose();
-      divide(factor_.first[i]);
+// A state's front has its own columns and the rows of the next two states, to which it passes its
+// update (J. W. H. Liu, The multifrontal method for sparse matrix solution, SIAM Review, 1992).
+bool BandedCholesky::factorize(const BandedMatrix& matrix) {
+  using Block = Eigen::Map<MatrixXd, 0, Eigen::OuterStride<>>;
+  const auto blockOf = [](VectorXd& numbers, int rows, int columns) {
+    return Block(numbers.data(), rows, columns, Eigen::OuterStride<>(mechanics::paddedRows(rows)));
+  };
+  const auto clear = [](VectorXd& numbers, int rows, int columns) {
+    numbers.setZero(mechanics::paddedRows(rows) * columns + mechanics::kRowsTogether);
+  };
+  size_ = static_cast<int>(matrix.diagonal.front().rows());
+  width_ = (size_ + 2) / 3 * 3;
+  panels_.resize(matrix.diagonal.size());
+  clear(update_, rows(0), rows(0));
+  for (int i = 0; i < count(); ++i) {
+    const int behind = rows(i) - width_;
+    const int known = std::min(rows(i), 2 * width_);  // rows of the update
+    clear(panels_[i], rows(i), width_);
+    auto panel = blockOf(panels_[i], rows(i), width_);
+    panel.topRows(known) = blockOf(update_, known, known).leftCols(width_);
+    panel.topLeftCorner(size_, size_) += matrix.diagonal[i];
+    panel.diagonal().tail(width_ - size_).setOnes();
+    if (behind >= width_) panel.block(width_, 0, size_, size_) += matrix.first[i];
+    if (behind > width_) panel.block(2 * width_, 0, size_, size_) += matrix.second[i];
+    clear(nextUpdate_, behind, behind);
+    if (behind >= width_) {
+      blockOf(nextUpdate_, behind, behind).topLeftCorner(width_, width_) =
+          blockOf(update_, known, known).bottomRightCorner(width_, width_);
     }
-    if (i + 2 < count) divide(factor_.second[i]);
+    double* const panelNumbers = panels_[i].data();
+    if (!mechanics::denseKernels().eliminate(panelNumbers, rows(i), width_, nextUpdate_.data())) {
+      return false;
+    }
+    std::swap(update_, nextUpdate_);
   }
+  return true;
 }
 
-MatrixXd BandedCholesky::solve(MatrixXd right) const {
-  const auto count = static_cast<Eigen::Index>(factor_.diagonal.size());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (i >= 1) right.col(i) -= factor_.first[i - 1] * right.col(i - 1);
-    if (i >= 2) right.col(i) -= factor_.second[i - 2] * right.col(i - 2);
-    factor_.diagonal[i].triangularView<Eigen::Lower>().solveInPlace(right.col(i));
-  }
-  for (Eigen::Index i = count; i-- > 0;) {
-    if (i + 1 < count) right.col(i) -= factor_.first[i].transpose() * right.col(i + 1);
-    if (i + 2 < count) right.col(i) -= factor_.second[i].transpose() * right.col(i + 2);
-    factor_.diagonal[i].triangularView<Eigen::Lower>().transpose().solveInPlace(right.col(i));
-  }
-  return right;
+MatrixXd BandedCholesky::solve(const MatrixXd& right) const {
+  const mechanics::DenseKernels& kernels = mechanics::denseKernels();
+  VectorXd x = VectorXd::Zero(width_ * count());
+  Eigen::Map<MatrixXd> columns(x.data(), width_, count());
+  columns.topRows(size_) = right;
+  VectorXd front(3 * width_ + 2 * mechanics::kRowsTogether);
+  const auto solvePart = [&](int i, const auto& kernel) {
+    front.setZero();
+    front.head(rows(i)) = x.segment(i * width_, rows(i));
+    kernel(panels_[i].data(), rows(i), width_, front.data());
+    x.segment(i * width_, rows(i)) = front.head(rows(i));
+  };
+  for (int i = 0; i < count(); ++i) solvePart(i, kernels.solveForward);
+  for (int i = count(); i-- > 0;) solvePart(i, kernels.solveBackward);
+  return columns.topRows(size_);
 }
 
-BandedSolution solve(const BandedProgram& program) {
-  return InteriorPoint(program).find();
+MatrixXd unconstrainedMinimum(const BandedProgram& program) {
+  BandedCholesky factor;
+  return factor.factorize(program.hessian) ? factor.solve(-program.gradient) : MatrixXd();
+}
+
+BandedSolution solve(const BandedProgram& program, MatrixXd unconstrained) {
+  return InteriorPoint(program).find(std::move(unconstrained));
 }
 
 }  // namespace kirireel::path

@@ -42,6 +42,7 @@
 #include <span>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -106,6 +107,7 @@ constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
 constexpr int kEarlyRounds = 4;
 constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
 constexpr int kPushes = 8;
+constexpr double kNoPushGain = 0.98;     // fraction of an overlap that is left by pushes that end
 constexpr double kPriceOfPushing = 1e3;  // price of opening joints over that of moving
 constexpr double kFirstDamping = 6e-5;
 constexpr double kMinDamping = 6e-9;
@@ -119,7 +121,10 @@ constexpr double kNoNewtonGain = 0.5;  // the same for steps that end
 constexpr double kOpenOnPath =
     1e-9;                           // joints that are open by more on the found path are compliant
 constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
-constexpr double kRegular = 1e-12;  // added to J J', which redundant joints make singular
+// Columns are made orthonormal by the Cholesky factor of their products if the reciprocal of its
+// condition is larger.
+constexpr double kWellConditioned = 1e-3;
+constexpr double kRegular = 1e-12;     // added to J J', which redundant joints make singular
 constexpr double kClosedMove = 1e-10;  // change of a gap by a move of length 1 that keeps it closed
 // The budget must allow this many factorisations: about eight rounds.
 constexpr double kMinFactorisations = 100;
@@ -161,8 +166,15 @@ class LeastMoves {
   bool isAnalysed_ = false;
 };
 
-/// An orthonormal basis of the columns' span, in their order.
+/// An orthonormal basis of the columns' span, in their order. Columns that are nearly orthonormal
+/// cost less.
 MatrixXd orthonormal(const MatrixXd& columns) {
+  MatrixXd gram = MatrixXd::Zero(columns.cols(), columns.cols());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  const Eigen::LLT<MatrixXd> root(gram);
+  if (root.info() == Eigen::Success && root.rcond() > kWellConditioned) {
+    return root.matrixL().solve(columns.transpose()).transpose();
+  }
   const Eigen::HouseholderQR<MatrixXd> qr(columns);
   return qr.householderQ() * MatrixXd::Identity(columns.rows(), columns.cols());
 }
@@ -210,6 +222,7 @@ class Smoothing {
       isOpen_.assign(count(), true);
       free_ = joints_.columns();
       bases_.assign(count(), MatrixXd::Identity(free_, free_));
+      hasOwnBasis_.assign(count(), true);
     } else if (std::ranges::any_of(isOpen_, [](bool isOpen) { return isOpen; })) {
       takeModes();
     }
@@ -330,6 +343,7 @@ class Smoothing {
     const int rigid = isPlanar_ ? 3 : 6;
     if (freedoms() < 2 + rigid || cost > budget_.left()) return false;
     bases_.assign(count(), *least);
+    hasOwnBasis_.assign(count(), true);
     for (std::size_t i = from; i < count(); ++i) {
       bases_[i] = carriedOn(i == from ? *least : bases_[i - 1], states_[i], isOpen_[i]);
     }
@@ -357,6 +371,10 @@ class Smoothing {
   bool improve(std::size_t first, std::size_t last) {
     first_ = first;
     last_ = last;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      if (!hasOwnBasis_[i]) bases_[i] = carriedOn(bases_[i], states_[i], isOpen_[i]);
+      hasOwnBasis_[i] = true;
+    }
     return allMayOpen_ ? openLess() : smooth();
   }
 
@@ -443,9 +461,9 @@ class Smoothing {
         hessian.diagonal[i].diagonal().array() += damping;
         gradient.col(column) += priced.transpose() * gaps;
       }
-      const BandedCholesky factor(std::move(hessian));
+      BandedCholesky factor;
       budget_.spend(factorisationCost(moving()));
-      if (!factor.isDefinite()) return {};
+      if (!factor.factorize(hessian)) return {};
       y = factor.solve(-gradient);
       if (!setPrices(step, y)) break;
     }
@@ -477,9 +495,8 @@ class Smoothing {
       const SparseMatrix jacobian = joints_.jacobian(states_[i]);
       step.gradient.col(static_cast<Eigen::Index>(k)) +=
           price_ * (jacobian.transpose() * cost.gradient);
-      MatrixXd diagonal = price_ * SparseMatrix(jacobian.transpose() * cost.hessian * jacobian);
-      diagonal.diagonal().array() += secondDifferencesAt(i);
-      step.hessian.diagonal.push_back(std::move(diagonal));
+      step.hessian.diagonal[k] +=
+          price_ * SparseMatrix(jacobian.transpose() * cost.hessian * jacobian);
       std::vector<NearGap> near;
       if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
       VectorXd gaps(static_cast<Eigen::Index>(near.size()));
@@ -492,21 +509,25 @@ class Smoothing {
     return step;
   }
 
-  /// Sets what second differences give of the energy to the second order in the moves of the bases:
-  /// half its gradient, and half its Hessian except the diagonal blocks. Returns the changes of z.
-  std::vector<MatrixXd> setDifferences(BandedMatrix& hessian, MatrixXd& gradient) const {
+  /// The part of the energy to the second order that second differences give, in the moves of the
+  /// bases: half its gradient and half its Hessian. The bases are orthonormal in the metric of z.
+  void setDifferences(BandedMatrix& hessian, MatrixXd& gradient) const {
     const std::vector<VectorXd> second = secondDifferences(placesOf(states_));
     gradient.resize(freedoms(), static_cast<Eigen::Index>(moving()));
-    std::vector<MatrixXd> changes;
+    const auto blockOf = [&](std::size_t i, std::size_t j) -> MatrixXd {
+      const SparseMatrix product = productOfChanges(states_[i], states_[j]);
+      if (allMayOpen_) return product;
+      return bases_[i].transpose() * MatrixXd(product * bases_[j]);
+    };
     for (std::size_t k = 0; k < moving(); ++k) {
       const std::size_t i = first_ + 1 + k;
-      const MatrixXd& here = changes.emplace_back(changesOf(bases_[i], states_[i]));
       gradient.col(static_cast<Eigen::Index>(k)) =
-          here.transpose() * (second[i - 1] - 2 * second[i] + second[i + 1]);
-      if (k > 0) hessian.first.push_back(-4 * here.transpose() * changes[k - 1]);
-      if (k > 1) hessian.second.push_back(here.transpose() * changes[k - 2]);
+          bases_[i].transpose() * formOf(second[i - 1] - 2 * second[i] + second[i + 1], states_[i]);
+      hessian.diagonal.push_back(secondDifferencesAt(i) *
+                                 MatrixXd::Identity(freedoms(), freedoms()));
+      if (k > 0) hessian.first.push_back(-4 * blockOf(i, i - 1));
+      if (k > 1) hessian.second.push_back(blockOf(i, i - 2));
     }
-    return changes;
   }
 
   /// The sum of the squared factors with which a state enters second differences: its own, and
@@ -589,24 +610,28 @@ class Smoothing {
     return forms;
   }
 
-  /// Separates bricks of one state that overlap by more than `overlap` tiles. If the state is to be
-  /// between two others, along the planes of both.
-  void pushApart(Poses& poses, const MatrixXd& basis, bool isOpen, double overlap,
+  /// Separates bricks of one state that overlap by more than `overlap` tiles. `neighbour`: the
+  /// basis of a state nearby. If the state is to be between two others, along the planes of both.
+  void pushApart(Poses& poses, const MatrixXd& neighbour, bool isOpen, double overlap,
                  const std::array<Poses, 2>* ends = nullptr) {
     if (!gaps_) return;
     const double margin = kPushMargin * tile_, reach = kPointReach * tile_;
+    double before = std::numeric_limits<double>::infinity();
+    MatrixXd basis;
     for (int k = 0; k < kPushes; ++k) {
+      const std::vector<NearGap> near = ends ? gaps_->findBetween(*ends, poses, margin, reach)
+                                             : gaps_->find(poses, margin, reach);
+      double deepest = 0;
+      for (const NearGap& gap : near) deepest = std::max(deepest, -gap.gap);
+      if (deepest <= overlap * tile_ || deepest > kNoPushGain * before) return;
+      before = deepest;
+      if (k == 0) basis = carriedOn(neighbour, poses, isOpen);
       BandedProgram program;
-      appendGaps(ends ? gaps_->findBetween(*ends, poses, margin, reach)
-                      : gaps_->find(poses, margin, reach),
-                 basis, -0.5 * overlap * tile_, program);
-      const VectorXd& bounds = program.bounds.front();
-      const double deepest = bounds.size() > 0 ? bounds.maxCoeff() - 0.5 * overlap * tile_ : 0;
-      if (deepest <= overlap * tile_) return;
+      appendGaps(near, basis, -0.5 * overlap * tile_, program);
       program.hessian.diagonal.push_back(pushingCost(poses, basis));
       program.gradient = MatrixXd::Zero(basis.cols(), 1);
       program.priceScale = deepest;
-      const MatrixXd y = solve(program).y;
+      const MatrixXd y = solve(program, program.gradient).y;
       if (y.size() == 0) return;
       poses = joints_.moved(std::move(poses), basis * y.col(0));
       close(poses, isOpen);
@@ -648,24 +673,42 @@ class Smoothing {
     return places;
   }
 
-  /// The change of z for each column of a basis.
-  MatrixXd changesOf(const MatrixXd& basis, const Poses& poses) const {
-    MatrixXd changes(12 * static_cast<Eigen::Index>(poses.size()), basis.cols());
+  /// (dz/du)' v for a change v of z at a state.
+  VectorXd formOf(const VectorXd& v, const Poses& poses) const {
+    VectorXd form(joints_.columns());
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const auto row = 12 * static_cast<Eigen::Index>(i);
-      const Matrix3 rotation = std::numbers::sqrt2 / 2 * poses[i].rotation.toRotationMatrix();
-      for (Eigen::Index c = 0; c < basis.cols(); ++c) {
-        Vector6 move = Vector6::Zero();
-        for (int f = 0; f < joints_.freedoms(); ++f) {
-          move[joints_.component(f)] =
-              basis(static_cast<Eigen::Index>(i) * joints_.freedoms() + f, c);
-        }
-        changes.col(c).segment<3>(row) = move.head<3>();
-        const Matrix3 turned = crossMatrix(move.tail<3>()) * rotation;
-        changes.col(c).segment<9>(row + 3) = turned.reshaped();
+      const Matrix3 turned = std::numbers::sqrt2 / 2 * v.segment<9>(row + 3).reshaped(3, 3) *
+                             poses[i].rotation.toRotationMatrix().transpose();
+      Vector6 ofBrick;
+      ofBrick << v.segment<3>(row), turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0),
+          turned(1, 0) - turned(0, 1);
+      for (int f = 0; f < joints_.freedoms(); ++f) {
+        form[static_cast<Eigen::Index>(i) * joints_.freedoms() + f] = ofBrick[joints_.component(f)];
       }
     }
-    return changes;
+    return form;
+  }
+
+  /// (dz/du)' at one state times dz/du at another: a block per brick. With M = R_to R_from', the
+  /// block of rotations is (I tr M - M) / 2.
+  SparseMatrix productOfChanges(const Poses& from, const Poses& to) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const Matrix3 turn = (to[i].rotation * from[i].rotation.conjugate()).toRotationMatrix();
+      Eigen::Matrix<double, 6, 6> block = Eigen::Matrix<double, 6, 6>::Identity();
+      block.bottomRightCorner<3, 3>() = 0.5 * (turn.trace() * Matrix3::Identity() - turn);
+      const auto first = static_cast<int>(i) * joints_.freedoms();
+      for (int row = 0; row < joints_.freedoms(); ++row) {
+        for (int column = 0; column < joints_.freedoms(); ++column) {
+          const double value = block(joints_.component(row), joints_.component(column));
+          if (value != 0) entries.emplace_back(first + row, first + column, value);
+        }
+      }
+    }
+    SparseMatrix product(joints_.columns(), joints_.columns());
+    product.setFromTriplets(entries.begin(), entries.end());
+    return product;
   }
 
   std::vector<VectorXd> placesOf(const std::vector<Poses>& states) const {
@@ -729,22 +772,18 @@ class Smoothing {
   /// The program of a round, without damping.
   BandedProgram programOf() {
     BandedProgram program;
-    const std::vector<MatrixXd> changes = setDifferences(program.hessian, program.gradient);
+    setDifferences(program.hessian, program.gradient);
     for (std::size_t k = 0; k < moving(); ++k) {
       const std::size_t i = first_ + 1 + k;
-      const MatrixXd& here = changes[k];
-      MatrixXd diagonal = secondDifferencesAt(i) * here.transpose() * here;
       if (modes_.cols() > 0) {
         const MatrixXd openings = joints_.jacobian(states_[i]) * bases_[i];
-        const OpeningCost cost = costOf(states_[i]);
         program.gradient.col(static_cast<Eigen::Index>(k)) +=
-            price_ * openings.transpose() * cost.gradient;
-        diagonal += price_ * openings.transpose() * openings;
+            price_ * openings.transpose() * costOf(states_[i]).gradient;
+        program.hessian.diagonal[k] += price_ * openings.transpose() * openings;
       }
-      program.hessian.diagonal.push_back(std::move(diagonal));
       std::vector<NearGap> near;
       if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
-      appendGaps(near, bases_[i], kOverlap * tile_, program);
+      appendGaps(near, bases_[i], 0.5 * kOverlap * tile_, program);
     }
     program.priceScale = program.gradient.cwiseAbs().maxCoeff();
     return program;
@@ -761,34 +800,45 @@ class Smoothing {
     return most;
   }
 
-  /// Tries rounds until one is accepted. Returns whether one was.
+  /// The moves of all bricks for moves y of the bases.
+  std::vector<VectorXd> movesOf(const MatrixXd& y) const {
+    std::vector<VectorXd> moves;
+    for (Eigen::Index k = 0; k < y.cols(); ++k) {
+      moves.push_back(bases_[first_ + 1 + static_cast<std::size_t>(k)] * y.col(k));
+    }
+    return moves;
+  }
+
+  /// Tries rounds until one is accepted. Returns whether one was. Moves without constraints are
+  /// about as long as with them and cost much less. So they decide about the damping: after a
+  /// round that is not accepted, they must be half as long.
   bool round(double& damping, int& tries, int taken) {
     const BandedProgram program = programOf();
+    double limit = 2 * kLongestRoundMove;
     for (; tries > 0 && damping <= kMaxDamping && !isOver();) {
       BandedProgram damped = program;
       for (MatrixXd& block : damped.hessian.diagonal) block.diagonal().array() += damping;
-      const auto [y, factorisations] = solve(damped);
+      MatrixXd unconstrained = unconstrainedMinimum(damped);
+      budget_.spend(factorisationCost(moving()));
+      const double most = longest(movesOf(unconstrained)) / tile_;
+      if (unconstrained.size() == 0 || most > limit) {
+        damping *= unconstrained.size() > 0 && most < 3 * limit ? 3 : 10;
+        continue;
+      }
+      limit = 0.5 * most;
+      const auto [y, factorisations] = solve(damped, std::move(unconstrained));
       budget_.spend(factorisations * factorisationCost(moving()));
-      if (y.size() == 0) {
-        damping *= 10;
-        continue;
-      }
-      std::vector<VectorXd> moves;
-      for (Eigen::Index k = 0; k < y.cols(); ++k) {
-        moves.push_back(bases_[first_ + 1 + static_cast<std::size_t>(k)] * y.col(k));
-      }
-      const double most = longest(moves) / tile_;
-      if (most > 2 * kLongestRoundMove) {
-        damping *= most > 6 * kLongestRoundMove ? 10 : 3;
-        continue;
-      }
       --tries;
-      if (take(moves, std::min(1.0, kLongestRoundMove / most), taken)) {
-        const double factor = most < 0.5 * kLongestRoundMove ? 10
-                              : most < kLongestRoundMove     ? 3
-                                                             : 1;
-        damping = std::max(damping / factor, kMinDamping);
-        return true;
+      if (y.size() > 0) {
+        const std::vector<VectorXd> moves = movesOf(y);
+        const double longestMove = longest(moves) / tile_;
+        if (take(moves, std::min(1.0, kLongestRoundMove / longestMove), taken)) {
+          const double factor = longestMove < 0.5 * kLongestRoundMove ? 10
+                                : longestMove < kLongestRoundMove     ? 3
+                                                                      : 1;
+          damping = std::max(damping / factor, kMinDamping);
+          return true;
+        }
       }
       damping *= 10;
     }
@@ -798,13 +848,11 @@ class Smoothing {
   /// Moves all states by a fraction of the moves. Keeps them if that is better.
   bool take(const std::vector<VectorXd>& moves, double part, int taken) {
     std::vector<Poses> tried = states_;
-    std::vector<MatrixXd> bases = bases_;
     for (std::size_t i = first_ + 1; i < last_; ++i) {
       tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - first_ - 1]);
       const double gap = close(tried[i], isOpen_[i]);
       if (gap > maxOpening_) return false;
-      bases[i] = carriedOn(bases_[i], tried[i], isOpen_[i]);
-      pushApart(tried[i], bases[i], isOpen_[i], kOverlap);
+      pushApart(tried[i], bases_[i], isOpen_[i], kOverlap);
       makeSymmetric(tried[i], isOpen_[i]);
     }
     const double overlap = overlapOf(std::span(tried).subspan(first_, last_ - first_ + 1));
@@ -815,7 +863,9 @@ class Smoothing {
                           (overlap < 0.7 * overlap_ && overlap_ > kMaxOverlap * tile_);
     if (!isBetter) return false;
     states_ = std::move(tried);
-    bases_ = std::move(bases);
+    for (std::size_t i = first_ + 1; i < last_; ++i) {
+      bases_[i] = carriedOn(bases_[i], states_[i], isOpen_[i]);
+    }
     energy_ = energy;
     overlap_ = overlap;
     return true;
@@ -842,11 +892,12 @@ class Smoothing {
       const auto next = std::upper_bound(from.begin() + 1, from.end() - 1, length);
       const auto i = static_cast<std::size_t>(next - from.begin());
       areOpen.push_back(k < number ? isOpen_[i - 1] || isOpen_[i] : isOpen_.back());
-      bases.push_back(carriedOn(bases.back(), fine.back(), areOpen.back()));
+      bases.push_back(bases_[nearest(from, i, length)]);
     }
     states_ = std::move(fine);
     bases_ = std::move(bases);
     isOpen_ = std::move(areOpen);
+    hasOwnBasis_.assign(count(), false);
     setScale();
   }
 
@@ -906,7 +957,8 @@ class Smoothing {
       const auto at = static_cast<std::ptrdiff_t>(i);
       const bool isOpen = isOpen_[i - 1] || isOpen_[i];
       const Poses& state = between[i - begin - 1];
-      bases_.insert(bases_.begin() + at, carriedOn(bases_[i], state, isOpen));
+      bases_.insert(bases_.begin() + at, bases_[i]);
+      hasOwnBasis_.insert(hasOwnBasis_.begin() + at, false);
       states_.insert(states_.begin() + at, state);
       isOpen_.insert(isOpen_.begin() + at, isOpen);
     }
@@ -966,10 +1018,14 @@ class Smoothing {
     } else {
       close(poses, false);
     }
-    const std::size_t near = length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
-    pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap, ends);
+    pushApart(poses, bases_[nearest(lengths, i, length)], isOpen, kFinalOverlap, ends);
     makeSymmetric(poses, isOpen);
     return poses;
+  }
+
+  /// The nearer end of the interval before state i.
+  static std::size_t nearest(const std::vector<double>& lengths, std::size_t i, double length) {
+    return length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
   }
 
   /// The cubic through the four states around the interval before state i.
@@ -996,6 +1052,7 @@ class Smoothing {
   MatrixXd modes_;                    // of openings, orthonormal columns
   int free_ = 0;                      // motions that keep joints closed
   std::vector<MatrixXd> bases_;       // one per state
+  std::vector<bool> hasOwnBasis_;     // if not, the basis is that of a state nearby
   bool allMayOpen_ = false;           // all joints, instead of in the modes only
   double exponent_ = 2;               // of the cost of openings
   double opening_ = 1;                // the scale of this cost: the largest opening, metres
