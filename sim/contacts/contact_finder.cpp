@@ -684,6 +684,10 @@ constexpr double kWorsening = 0.1;
 constexpr double kWorst = 7;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
+// Planes are equally good if their separations differ by less than this fraction of the
+// tolerance and their normals agree to this cosine.
+constexpr double kEqual = 1e-3;
+constexpr double kNearDirection = 0.9;
 
 // A point at most this far outside a face, in radii of a brick, still touches it.
 constexpr double kTouching = 1e-3;
@@ -840,7 +844,7 @@ double BrickPair::appendViolated(const PairMove& move, long step,
   // The most expensive test is only for pairs that no single plane separates.
   if (isSeparatedInTurn(move)) return 0;
   // No plane separates the pair.
-  if (const SeparatingPlane* plane = planeToGive(step)) givePlane(*plane, contacts);
+  for (const SeparatingPlane* plane : planesToGive(step)) givePlane(*plane, contacts);
   return std::max(0.0, -bestAfter - slack_);
 }
 
@@ -876,9 +880,9 @@ bool BrickPair::isSeparatedInTurn(const PairMove& move) const {
   return false;
 }
 
-/// The new steady plane that held best at the start and is violated least at the end. Null
-/// without one.
-const SeparatingPlane* BrickPair::planeToGive(long step) {
+/// The new steady planes that held best at the start and are violated least at the end: one, or
+/// several that are equally good. Empty without one.
+std::vector<const SeparatingPlane*> BrickPair::planesToGive(long step) {
   std::vector<const SeparatingPlane*> candidates;
   double best = -kInfinity;
   for (const SeparatingPlane& plane : planes_) {
@@ -886,17 +890,24 @@ const SeparatingPlane* BrickPair::planeToGive(long step) {
     best = std::max(best, separationAtStart(plane));
     if (canGive(plane, step)) candidates.push_back(&plane);
   }
-  const double held = std::min(-tolerance_ - slack_, best);
-  const SeparatingPlane* chosen = nullptr;
-  double leastViolated = -kInfinity;
-  for (const SeparatingPlane* plane : candidates) {
-    if (separationAtStart(*plane) < held) continue;
-    const double after = separationAtEnd(*plane);
-    if (after <= leastViolated) continue;
-    leastViolated = after;
-    chosen = plane;
-  }
-  return chosen;
+  const double equal = faceContact_ == FaceContact::Planes ? kEqual * tolerance_ : 0;
+  const double held = std::min(-tolerance_ - slack_, best - equal);
+  std::erase_if(candidates, [&](const auto* plane) { return separationAtStart(*plane) < held; });
+  if (candidates.empty()) return {};
+  const auto after = [&](const auto* plane) { return separationAtEnd(*plane); };
+  const auto least = std::ranges::max_element(candidates, {}, after);
+  if (equal == 0) return {*least};
+  // The planes of two faces that mirror each other. Planes in other directions are alternatives,
+  // and edges on a face repeat it.
+  const double violated = after(*least) - equal;
+  const Vector3 normal = planeNormal(**least, placedA(), scratch_.startB);
+  std::erase_if(candidates, [&](const auto* plane) {
+    return after(plane) < violated ||
+           planeNormal(*plane, placedA(), scratch_.startB).dot(normal) < kNearDirection;
+  });
+  const auto isEdge = [](const auto* plane) { return plane->kind == SeparatingPlane::Kind::Edges; };
+  if (!std::ranges::all_of(candidates, isEdge)) std::erase_if(candidates, isEdge);
+  return candidates;
 }
 
 /// Whether contacts on this plane would be new in this step.
@@ -940,7 +951,7 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<brick::Conta
   last_ = plane;
   std::vector<brick::Contact> found;
   for (const PlacedOutline* b : {&scratch_.startB, &scratch_.endB}) {
-    if (faceContact_ == FaceContact::Plane) break;
+    if (faceContact_ != FaceContact::Region) break;
     appendRegionContacts(planeNormal(plane, placedA(), *b),
                          plane.kind == SeparatingPlane::Kind::Edges ? &plane : nullptr, a_.brick,
                          b_.brick, placedA(), *b, found);

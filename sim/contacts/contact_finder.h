@@ -65,6 +65,7 @@ struct ObstacleOverlap {
 enum class FaceContact {
   Region,  ///< the polygon in which the faces overlap
   Plane,   ///< the whole plane of a face, without a border
+  Planes,  ///< as Plane; if planes are equally good, all of them
 };
 
 /// Checks a step's start and end together. If one plane (a face of either brick, or spanned by an
@@ -281,7 +282,7 @@ class BrickPair {
   void finishContacts(std::vector<brick::Contact>& contacts) const;
   void keepNew(std::vector<brick::Contact>& contacts) const;
   bool canGive(const SeparatingPlane& plane, long step);
-  const SeparatingPlane* planeToGive(long step);
+  std::vector<const SeparatingPlane*> planesToGive(long step);
   void givePlane(const SeparatingPlane& plane, std::vector<brick::Contact>& contacts);
 
   OutlinedPiece a_, b_;

@@ -245,7 +245,7 @@ class Mechanism {
   void forgetMoves(double aim) {
     aim_ = aim;
     dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start_,
-                                  contacts::FaceContact::Plane);
+                                  contacts::FaceContact::Planes);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
     dynamics_->setFine(true);

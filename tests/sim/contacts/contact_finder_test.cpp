@@ -1,6 +1,7 @@
 #include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -458,6 +459,25 @@ TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
   std::vector<int> other = order;
   while (std::next_permutation(other.begin(), other.end())) {
     EXPECT_EQ(signatures(heap(other, 0), other), expected);
+  }
+}
+
+/// Neither face is better than the other, so a choice would depend on the numbers of the bricks or
+/// on rounding.
+TEST(ContactFinder, GivesBothOfTwoFacesThatMirrorEachOther) {
+  const std::vector<brick::Brick> bricks(2, test::plate(0.5));
+  for (const double rounding : {0.0, 1e-14, -1e-14}) {
+    const auto placed = [&](double x) -> Poses {
+      return {{{-x, 0, 0}, rotationFromVector({0, 0.03 + rounding, 0})},
+              {{x, 0, 0}, rotationFromVector({0, -0.03, 0})}};
+    };
+    contacts::ContactFinder finder(bricks, placed(0.52), {}, around(scene::ContactFilter::All),
+                                   false, kTolerance, contacts::FaceContact::Planes);
+    const Found found = findContacts(finder, placed(0.52), placed(0.49));
+    std::map<int, int> points;  // for each brick with a face
+    for (const brick::Contact& contact : found.contacts) ++points[contact.brickB];
+    EXPECT_EQ(points[0], points[1]) << rounding;
+    EXPECT_GT(points[0], 0);
   }
 }
 
