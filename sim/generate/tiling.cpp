@@ -543,7 +543,7 @@ class ChainSearch {
   std::mt19937 generator_{1};
 };
 
-/// The number of the part with most of the tiles.
+/// The number of the part with most of the tiles. There must be at least one tile.
 int largestPart(DisjointSets& parts, const std::vector<int>& tiles) {
   std::map<int, int> sizes;
   for (const int tile : tiles) ++sizes[parts.lowestOf(tile)];
@@ -645,6 +645,11 @@ model::Model makeThinned(const Tiling& tiling) {
   std::vector<int> kept = allTiles(tiling);
   const auto isThin = [&](int tile) { return bool(tiling.isThin[std::size_t(tile)]); };
   std::erase_if(kept, isThin);
+  if (kept.empty()) {
+    throw InputError(
+        fmt::format("removal: error: all {} tiles are narrow. Use a larger number of tiles",
+                    tiling.tiles.size()));
+  }
   std::vector<VertexJoint> joints = clockwiseJoints(tiling, kept);
   DisjointSets parts(tiling.tiles.size());
   for (const VertexJoint& joint : joints) parts.unite(joint.a, joint.b);

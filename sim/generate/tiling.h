@@ -41,7 +41,7 @@ model::Model makeChain(const Tiling& tiling);
 
 /// The largest connected part of the tiling without its narrow rhombi. Tiles with a common edge
 /// are joined at its clockwise end, seen from the centre. Parts that touch only at a vertex are
-/// linked there.
+/// linked there. Throws InputError if all tiles are narrow.
 model::Model makeThinned(const Tiling& tiling);
 
 /// The tiling's tiles and its grids' cells. Each corner of a tile is joined to a corner of its

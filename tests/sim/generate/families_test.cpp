@@ -210,6 +210,9 @@ TEST(Families, RefuseImpossibleSheets) {
             "itself at the start). Use values nearer to the defaults");
   // Sides in one line do not cross, in any rotation.
   EXPECT_EQ(crosses(0.318, 0.147), "accepted");
+  // The first ring of Stampfli's tiling has only narrow rhombi.
+  EXPECT_EQ(messageFor({"stampfli-removal", {{"tiles", 10}}}),
+            "removal: error: all 12 tiles are narrow. Use a larger number of tiles");
   EXPECT_EQ(
       messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
       "chain: error: no closed chain through all 24 tiles was found. Use another number of tiles");
