@@ -59,10 +59,9 @@ void checkVertexCount(const TileTable& table, int tile) {
 
 /// Whether the outline goes to a hole and back along one line, at two vertices with equal
 /// positions.
-bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_t b,
-                 double tolerance) {
-  const std::size_t count = vertices.size();
-  const auto isSame = [&](std::size_t first, std::size_t second) {
+bool leadsToHole(const std::vector<Vector3>& vertices, int a, int b, double tolerance) {
+  const int count = static_cast<int>(vertices.size());
+  const auto isSame = [&](int first, int second) {
     const bool areTwo =
         first != second && (first != a || second != b) && (first != b || second != a);
     return areTwo && (vertices[first] - vertices[second]).norm() <= tolerance;
@@ -71,34 +70,29 @@ bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_
          isSame((a + 1) % count, (b + count - 1) % count);
 }
 
-// Compares all pairs: two coinciding vertices need not be consecutive.
-void checkDistinctVertices(const TileTable& table, int tile, double extent) {
+void checkDistinctVertices(const TileTable& table, int tile) {
+  const auto repeated = repeatedVertices(table.tiles[tile]);
+  if (!repeated) return;
+  const auto [a, b] = *repeated;
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
-  const double tolerance = kSameVertex * extent;
-  for (size_t b = 0; b < vertices.size(); ++b) {
-    for (size_t a = 0; a < b; ++a) {
-      if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
-      // Drawing programs open a polygon with a hole along a line. Each end of the line then has two
-      // vertices.
-      if (leadsToHole(vertices, a, b, tolerance)) {
-        throw inputErrorAt(
-            table.at(tile, static_cast<int>(b)),
-            fmt::format("tile {} has a hole, connected to its outline at vertices {} and {}. Tiles "
-                        "cannot have holes. Divide it into tiles without holes and join them",
-                        table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
-      }
-      throw inputErrorAt(
-          table.at(tile, static_cast<int>(b)),
-          fmt::format(
-              "vertex {} of tile {} is at the position of its vertex {}. Correct it or delete it",
-              table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
-    }
+  // Drawing programs open a polygon with a hole along a line. Each end of the line then has two
+  // vertices.
+  if (leadsToHole(vertices, a, b, kSameVertex * diameter(table.tiles[tile]))) {
+    throw inputErrorAt(
+        table.at(tile, b),
+        fmt::format("tile {} has a hole, connected to its outline at vertices {} and {}. Tiles "
+                    "cannot have holes. Divide it into tiles without holes and join them",
+                    table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
   }
+  throw inputErrorAt(
+      table.at(tile, b),
+      fmt::format(
+          "vertex {} of tile {} is at the position of its vertex {}. Correct it or delete it",
+          table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
 }
 
-// Relative to the square of the diameter. This rejects needles of any size.
-void checkArea(const TileTable& table, int tile, double extent) {
-  if (model::tileArea(table.tiles[tile]) > kMinArea * extent * extent) return;
+void checkArea(const TileTable& table, int tile) {
+  if (hasArea(table.tiles[tile])) return;
   throw inputErrorAt(
       table.at(tile),
       fmt::format(
@@ -107,14 +101,14 @@ void checkArea(const TileTable& table, int tile, double extent) {
 }
 
 // Relative to the plane of Newell's normal through the mean of the vertices.
-void checkFlatness(const TileTable& table, int tile, double extent) {
+void checkFlatness(const TileTable& table, int tile) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = model::tileNormal(table.tiles[tile]);
   // The plane goes through the mean of the vertices. One bad vertex then has little effect on the
   // others.
   Vector3 middle = Vector3::Zero();
   for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
-  const double allowed = kFlatness * extent;
+  const double allowed = kFlatness * diameter(table.tiles[tile]);
   for (size_t k = 0; k < vertices.size(); ++k) {
     const double height = std::abs((vertices[k] - middle).dot(normal));
     if (height <= allowed) continue;
@@ -223,6 +217,25 @@ ShapeChange shapeChange(const model::Tile& start, const model::Tile& target, int
 
 }  // namespace
 
+// Compares all pairs: two coinciding vertices need not be consecutive.
+std::optional<std::pair<int, int>> repeatedVertices(const model::Tile& tile) {
+  const std::vector<Vector3>& vertices = tile.vertices;
+  const double tolerance = kSameVertex * diameter(tile);
+  for (std::size_t b = 0; b < vertices.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
+      return std::pair(static_cast<int>(a), static_cast<int>(b));
+    }
+  }
+  return std::nullopt;
+}
+
+// Relative to the square of the diameter. This rejects needles of any size.
+bool hasArea(const model::Tile& tile) {
+  const double extent = diameter(tile);
+  return model::tileArea(tile) > kMinArea * extent * extent;
+}
+
 std::optional<std::pair<int, int>> crossingSides(const model::Tile& tile) {
   const Vector3 normal = model::tileNormal(tile);
   // This test is O(n), the comparison of all sides O(n^2).
@@ -238,10 +251,9 @@ void checkTiles(const TileTable& table) {
   for (size_t i = 0; i < table.tiles.size(); ++i) {
     const int tile = static_cast<int>(i);
     checkVertexCount(table, tile);
-    const double extent = diameter(table.tiles[i]);
-    checkDistinctVertices(table, tile, extent);
-    checkArea(table, tile, extent);
-    checkFlatness(table, tile, extent);
+    checkDistinctVertices(table, tile);
+    checkArea(table, tile);
+    checkFlatness(table, tile);
     checkSimple(table, tile);
   }
 }

@@ -54,6 +54,13 @@ class CrossedTile : public InputError {
   Vector3 place_;
 };
 
+/// The first two vertices of a tile at the same position, to 1e-9 of its diameter. Absent if all
+/// are distinct.
+std::optional<std::pair<int, int>> repeatedVertices(const model::Tile& tile);
+
+/// Whether a tile's area is more than 1e-6 of its squared diameter.
+bool hasArea(const model::Tile& tile);
+
 /// Two sides of a tile that cross or touch, by the numbers of their first corners. Absent if the
 /// tile is simple. The tile needs an area.
 std::optional<std::pair<int, int>> crossingSides(const model::Tile& tile);

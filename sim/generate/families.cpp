@@ -455,6 +455,14 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
   return FamilyValues(values);
 }
 
+/// Describes why a file with this tile would be rejected. Empty if it would not.
+std::string tileFault(const model::Tile& tile) {
+  // In the order of the reader's checks: each relies on the earlier ones.
+  if (formats::repeatedVertices(tile)) return "has two corners at one position";
+  if (!formats::hasArea(tile)) return "is too narrow";
+  return formats::crossingSides(tile) ? "crosses or touches itself" : "";
+}
+
 /// Describes why the tiles of one state are not a valid sheet. Empty if they are.
 std::string stateFault(const model::Model& model, const std::vector<model::Tile>& tiles,
                        bool isConcave) {
@@ -465,10 +473,10 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
   if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size)) return "tiles are not flat";
   if (!isConcave && !(trajectory::smallestCornerSine(tiles) >= kConvex))
     return "tiles are not convex";
-  const auto crossed = std::ranges::find_if(
-      tiles, [](const model::Tile& tile) { return formats::crossingSides(tile).has_value(); });
-  if (crossed != tiles.end())
-    return fmt::format("tile {} crosses or touches itself", crossed - tiles.begin());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const std::string fault = tileFault(tiles[i]);
+    if (!fault.empty()) return fmt::format("tile {} {}", i, fault);
+  }
   const std::vector<trajectory::TileOverlap> overlaps =
       trajectory::tileOverlaps(tiles, kTouchingTiles * size);
   if (overlaps.empty()) return "";

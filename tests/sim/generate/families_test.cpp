@@ -2,10 +2,13 @@
 
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/formats/read_model.h"
 #include "tests/sim/generate/sheet_checks.h"
+#include "tests/support/files.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refusal.h"
 
@@ -191,6 +194,9 @@ TEST(Families, ReportWrongParameters) {
               "error: there is no family hart, did you mean heart?; give one of tessellation,"));
 }
 
+/// Two corners of a convex tile are 1e-12 of its diameter apart.
+const Request kShortSide{"nonrigid", {{"left", 2e-6}, {"depth", 1e-6}, {"right", 1e6}}};
+
 TEST(Families, RefuseImpossibleSheets) {
   // Tiles of the narrow strip fold over.
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
@@ -210,12 +216,51 @@ TEST(Families, RefuseImpossibleSheets) {
             "itself at the start). Use values nearer to the defaults");
   // Sides in one line do not cross, in any rotation.
   EXPECT_EQ(crosses(0.318, 0.147), "accepted");
+  EXPECT_EQ(
+      messageFor({"tessellation", {{"width", 1e-6}}}),
+      "tessellation: error: no sheet with these parameters was found (tile 0 is too narrow at "
+      "the start). Use values nearer to the defaults");
+  EXPECT_EQ(messageFor(kShortSide),
+            "nonrigid: error: no sheet with these parameters was found (tile 0 has two corners at "
+            "one position at the start). Use values nearer to the defaults");
   // The first ring of Stampfli's tiling has only narrow rhombi.
   EXPECT_EQ(messageFor({"stampfli-removal", {{"tiles", 10}}}),
             "removal: error: all 12 tiles are narrow. Use a larger number of tiles");
   EXPECT_EQ(
       messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
       "chain: error: no closed chain through all 24 tiles was found. Use another number of tiles");
+}
+
+/// Each parameter at both ends of its range, the others at their defaults. Counts of tiles only at
+/// their least: large sheets take long.
+std::vector<Request> requestsAtEnds() {
+  std::vector<Request> requests;
+  for (const generate::Family& family : generate::families()) {
+    for (const generate::FamilyParameter& parameter : family.parameters) {
+      requests.push_back({family.name, {{parameter.name, parameter.least}}});
+      if (parameter.whole) continue;
+      requests.push_back({family.name, {{parameter.name, parameter.most}}});
+    }
+  }
+  requests.push_back(kShortSide);
+  return requests;
+}
+
+TEST(Families, AreReadableAtTheEndsOfTheirRanges) {
+  int readable = 0;
+  for (const Request& request : requestsAtEnds()) {
+    model::Model model;
+    if (test::refusalOf([&] { model = made(request); }) != "accepted") continue;
+    const test::TemporaryFolder folder;
+    formats::writeModelFolder(model, folder.path());
+    std::vector<std::string> warnings;
+    EXPECT_EQ(test::refusalOf([&] { formats::readModelFolder(folder.path(), warnings); }),
+              "accepted")
+        << testing::PrintToString(request);
+    EXPECT_THAT(warnings, testing::IsEmpty()) << testing::PrintToString(request);
+    ++readable;
+  }
+  EXPECT_GT(readable, 100);
 }
 
 TEST(Families, GiveTheSameModelEveryTime) {
