@@ -220,7 +220,9 @@ void appendLattices(std::vector<Family>& all) {
                  {columns(6, 2, 60), rows(6, 2, 60), length("outer-radius", "of the ring", 10),
                   length("inner-radius", "of the ring", 1),
                   angle("angle", "of the sector", 60, 5, 180), startAngle(), targetAngle(180)},
-                 fanModel});
+                 fanModel,
+                 false,
+                 "outer-radius"});
   all.push_back({"heart",
                  "a heart that becomes another shape",
                  {columns(4, 4, 60), rows(4, 4, 60), startAngle(), targetAngle(180)},
@@ -387,11 +389,15 @@ void appendShells(std::vector<Family>& all) {
                    CapShape shape = capShape(values);
                    shape.halfAngle = values.angle("angle");
                    return makeSphericalCap(shape);
-                 }});
+                 },
+                 false,
+                 "radius"});
   all.push_back({"cube-to-sphere",
                  "a cube that becomes a sphere",
                  {count("half-size", "tiles along a cube's edge are twice this", 3, 1, 5), radius},
-                 [](const FamilyValues& values) { return makeCubeToSphere(capShape(values)); }});
+                 [](const FamilyValues& values) { return makeCubeToSphere(capShape(values)); },
+                 false,
+                 "radius"});
   all.push_back({"moebius",
                  "a flat strip that becomes a twisted band",
                  {count("half-columns", "tiles along the strip are twice this", 6, 5, 30),
@@ -405,7 +411,9 @@ void appendShells(std::vector<Family>& all) {
                    shape.halfTwists = values.whole("half-twists");
                    shape.radius = values.number("radius");
                    return makeMoebiusBand(shape);
-                 }});
+                 },
+                 false,
+                 "radius"});
   all.push_back({"sphere-to-saddle",
                  "a cap of a sphere that becomes a saddle",
                  {count("half-columns", "tiles along x are twice this", 5, 2, 8),
@@ -418,7 +426,9 @@ void appendShells(std::vector<Family>& all) {
                                               2 * values.whole("half-rows"),
                                               values.number("radius"), values.number("curvature"),
                                               values.number("width")});
-                 }});
+                 },
+                 false,
+                 "width"});
 }
 
 /// The value of a parameter, given or default.
@@ -453,6 +463,26 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
                                  name, fmt::join(names(family.parameters), ", ")));
   }
   return FamilyValues(values);
+}
+
+/// A power of two near the ratio of a fitted sheet's size to its default, else 1. Scaling by it
+/// causes no rounding.
+double fitScale(const Family& family, const FamilyValues& values) {
+  if (family.fittedSize.empty()) return 1;
+  const FamilyParameter& size =
+      *std::ranges::find(family.parameters, family.fittedSize, &FamilyParameter::name);
+  return std::exp2(std::round(std::log2(values.number(size.name) / size.defaultValue)));
+}
+
+/// The values for a sheet that is larger by a factor.
+FamilyValues scaledValues(const Family& family, const FamilyValues& values, double factor) {
+  std::map<std::string, double> scaled;
+  for (const FamilyParameter& parameter : family.parameters) {
+    double& value = scaled[parameter.name] = values.number(parameter.name);
+    if (parameter.unit == "METRES") value *= factor;
+    if (parameter.unit == "1/METRES") value /= factor;
+  }
+  return FamilyValues(scaled);
 }
 
 /// Describes why a file with this tile would be rejected. Empty if it would not.
@@ -527,7 +557,10 @@ const Family& familyNamed(const std::string& name) {
 }
 
 model::Model generateModel(const Family& family, const std::map<std::string, double>& given) {
-  model::Model model = family.make(checkedValues(family, given));
+  const FamilyValues values = checkedValues(family, given);
+  const double scale = fitScale(family, values);
+  model::Model model = family.make(scaledValues(family, values, 1 / scale));
+  model::scaleLengths(model, scale);
   model.name = family.name;
   formats::chooseJointFaces(model, formats::FaceRule::Fold);
   model::symmetrise(model);  // a fit has the symmetries only within its own tolerance

@@ -1,5 +1,6 @@
 #include "sim/generate/families.h"
 
+#include <cmath>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -261,6 +262,45 @@ TEST(Families, AreReadableAtTheEndsOfTheirRanges) {
     ++readable;
   }
   EXPECT_GT(readable, 100);
+}
+
+/// Values of a family's lengths, the defaults times a factor.
+Given lengthsTimes(const generate::Family& family, double factor) {
+  Given given;
+  for (const generate::FamilyParameter& parameter : family.parameters) {
+    if (parameter.unit == "METRES") given[parameter.name] = factor * parameter.defaultValue;
+    if (parameter.unit == "1/METRES") given[parameter.name] = parameter.defaultValue / factor;
+  }
+  return given;
+}
+
+/// The largest distance between a model's vertices and those of another times a factor.
+double largestDistance(const model::Model& model, model::Model other, double factor) {
+  model::scaleLengths(other, factor);
+  const auto distance = [](const auto& tiles, const auto& others) {
+    double largest = 0;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
+        largest = std::max(largest, (tiles[i].vertices[k] - others[i].vertices[k]).norm());
+      }
+    }
+    return largest;
+  };
+  return std::max(distance(model.tiles, other.tiles), distance(*model.target, *other.target));
+}
+
+TEST(Families, ScaleWithTheirLengths) {
+  for (const generate::Family& family : generate::families()) {
+    if (lengthsTimes(family, 1).empty()) continue;
+    const model::Model model = generate::generateModel(family, {});
+    for (const double factor : {std::exp2(-16), std::exp2(-4), 8.0, std::exp2(16)}) {
+      // The range of the curvature is narrower than that of lengths.
+      const bool hasCurvature = lengthsTimes(family, 1).contains("curvature");
+      if (hasCurvature && (factor < 0.4 || factor > 40)) continue;
+      const model::Model scaled = generate::generateModel(family, lengthsTimes(family, factor));
+      EXPECT_EQ(largestDistance(scaled, model, factor), 0) << family.name << ' ' << factor;
+    }
+  }
 }
 
 TEST(Families, GiveTheSameModelEveryTime) {
