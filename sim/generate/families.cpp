@@ -465,13 +465,12 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
   return FamilyValues(values);
 }
 
-/// A power of two near the ratio of a fitted sheet's size to its default, else 1. Scaling by it
-/// causes no rounding.
+/// The ratio of a fitted sheet's size to its default; 1 for other sheets.
 double fitScale(const Family& family, const FamilyValues& values) {
   if (family.fittedSize.empty()) return 1;
   const FamilyParameter& size =
       *std::ranges::find(family.parameters, family.fittedSize, &FamilyParameter::name);
-  return std::exp2(std::round(std::log2(values.number(size.name) / size.defaultValue)));
+  return values.number(size.name) / size.defaultValue;
 }
 
 /// The values for a sheet that is larger by a factor.

@@ -46,8 +46,8 @@ struct Family {
   std::function<model::Model(const FamilyValues&)>
       make;                ///< makes a model; throws InputError for incompatible values
   bool isConcave = false;  ///< whether its tiles need not be convex
-  std::string fittedSize;  ///< for fits, which need a size near the default: the parameter of the
-                           ///< size. The sheet is made near that size and scaled. Empty otherwise
+  std::string fittedSize;  ///< for fits, which work at the default size: the parameter of the
+                           ///< size. The sheet is made at that size and scaled. Empty otherwise
 };
 
 /// All families, in the order of the help. The list has static lifetime.

@@ -1,6 +1,5 @@
 #include "sim/generate/families.h"
 
-#include <cmath>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -293,12 +292,14 @@ TEST(Families, ScaleWithTheirLengths) {
   for (const generate::Family& family : generate::families()) {
     if (lengthsTimes(family, 1).empty()) continue;
     const model::Model model = generate::generateModel(family, {});
-    for (const double factor : {std::exp2(-16), std::exp2(-4), 8.0, std::exp2(16)}) {
+    for (const double factor : {1e-5, 0.75, 1.3, 1e4}) {
       // The range of the curvature is narrower than that of lengths.
       const bool hasCurvature = lengthsTimes(family, 1).contains("curvature");
       if (hasCurvature && (factor < 0.4 || factor > 40)) continue;
       const model::Model scaled = generate::generateModel(family, lengthsTimes(family, factor));
-      EXPECT_EQ(largestDistance(scaled, model, factor), 0) << family.name << ' ' << factor;
+      // Measured 3.5e-8 m at most: a fit's start is equal only to rounding.
+      EXPECT_LT(largestDistance(scaled, model, factor) / factor, 1e-6)
+          << family.name << ' ' << factor;
     }
   }
 }
