@@ -38,9 +38,9 @@ constexpr double kStepShare = 0.99;
 struct Tolerance {
   double complementarity, stationarity, feasibility;
 };
-// The iteration ends at the first. Near it rounding can make the matrix indefinite: then the second
-// is enough. With 1e-7, 1e-5, 1e-3 for both, paths of one sheet at two places differed by 1e-5
-// tile.
+// The iteration ends at the first. Near it, rounding can make the matrix indefinite or the
+// residuals grow again: then the last solution within the second is enough. With 1e-7, 1e-5, 1e-3
+// for both, paths of one sheet at two places differed by 1e-5 tile.
 constexpr Tolerance kAim = {1e-10, 1e-7, 1e-6};
 constexpr Tolerance kEnough = {1e-7, 1e-5, 1e-3};
 
@@ -93,13 +93,16 @@ class InteriorPoint {
     other_ = price - multiplier_;
     computeResiduals();
     int steps = 0;
+    MatrixXd solved;  // the last solution within the second tolerance
     while (steps < kMaxSteps && !isSolved(kAim)) {
       checkInterruption();
       ++steps;
-      if (!step()) return {isSolved(kEnough) ? y_ : MatrixXd(), steps};
+      if (isSolved(kEnough)) solved = y_;
+      if (!step()) return {std::move(solved), steps};
       computeResiduals();
     }
-    return {y_, steps};
+    const bool isLast = isSolved(kEnough) || solved.size() == 0;
+    return {isLast ? y_ : std::move(solved), steps};
   }
 
  private:
