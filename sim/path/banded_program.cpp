@@ -5,6 +5,8 @@
 // and violations and all products s l and t u are equal. J. Nocedal, S. J. Wright, Numerical
 // Optimization, 2nd edition, 2006, chapter 16. If the minimum without constraints satisfies all of
 // them, it is the solution.
+// At the end the active constraints are equations: this gives the last digits (method of
+// multipliers, chapter 17).
 #include "sim/path/banded_program.h"
 
 #include <algorithm>
@@ -33,6 +35,9 @@ constexpr double kFirstSlack = 1e-3;
 constexpr double kPrice = 1e3;
 // A step uses this fraction of the distance at which a slack or a multiplier becomes zero.
 constexpr double kStepShare = 0.99;
+// The weight of a constraint that is an equation, and the number of steps with it.
+constexpr double kEquationWeight = 1e6;
+constexpr int kRefinements = 4;
 
 /// Residuals of a solution, as fractions of the largest gradient and bound.
 struct Tolerance {
@@ -101,6 +106,7 @@ class InteriorPoint {
       if (!step()) return {std::move(solved), steps};
       computeResiduals();
     }
+    if (isSolved(kAim)) return {refined(), steps + 1};
     const bool isLast = isSolved(kEnough) || solved.size() == 0;
     return {isLast ? y_ : std::move(solved), steps};
   }
@@ -166,8 +172,8 @@ class InteriorPoint {
                      stepFor(multiplier_, by.multiplier), stepFor(other_, -by.multiplier)});
   }
 
-  bool step() {
-    const ArrayXd weights = 1 / (excess_ / other_ + slack_ / multiplier_);
+  /// Factors H + A' W A. Returns whether it is positive definite.
+  bool factorize(const ArrayXd& weights) {
     const VectorXd roots = weights.sqrt().matrix();
     Eigen::Index row = 0;
     for (std::size_t i = 0; i < weighted_.diagonal.size(); ++i) {
@@ -177,7 +183,37 @@ class InteriorPoint {
       weighted_.diagonal[i].selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
       row += rows.rows();
     }
-    if (!factor_.factorize(weighted_)) return false;
+    return factor_.factorize(weighted_);
+  }
+
+  /// The solution with all digits: the active constraints are equations, by the method of
+  /// multipliers. y_ if they are not known for certain.
+  MatrixXd refined() {
+    using Mask = Eigen::Array<bool, Eigen::Dynamic, 1>;
+    const Mask isViolated = excess_ * size_ > other_ * top_;
+    const Mask isActive = multiplier_ * top_ > slack_ * size_ && !isViolated;
+    const double price = kPrice * size_;
+    const ArrayXd weights = isActive.cast<double>() * kEquationWeight;
+    if (!factorize(weights)) return y_;
+    ArrayXd multiplier = isViolated.select(price, multiplier_ * isActive.cast<double>());
+    MatrixXd y = y_;
+    for (int k = 0; k < kRefinements; ++k) {
+      const MatrixXd left = times(program_.hessian, y) + program_.gradient - transposed(multiplier);
+      const ArrayXd missing = bounds_ - constraintsOf(y);
+      const MatrixXd change = factor_.solve(transposed(weights * missing) - left);
+      multiplier += weights * (missing - constraintsOf(change));
+      y += change;
+    }
+    const ArrayXd missing = bounds_ - constraintsOf(y);
+    const bool isSolution =
+        isViolated.select(0, missing).maxCoeff() < kAim.complementarity * top_ &&
+        multiplier.minCoeff() > -kAim.complementarity * size_;
+    return isSolution ? y : y_;
+  }
+
+  bool step() {
+    const ArrayXd weights = 1 / (excess_ / other_ + slack_ / multiplier_);
+    if (!factorize(weights)) return false;
     const Direction predicted = direction(weights, -slack_ * multiplier_, -excess_ * other_);
     const double tried = stepAlong(predicted);
     const double reached =
