@@ -49,7 +49,7 @@ struct BandedProgram {
 /// The solution of a program, and what it cost.
 struct BandedSolution {
   Eigen::MatrixXd y;       ///< one column per state; empty if H is not positive definite
-  int factorisations = 0;  ///< of matrices of H's size, 0 to 25
+  int factorisations = 0;  ///< of matrices of H's size, 0 to 26
 };
 
 /// The minimum of a program without its constraints, by one factorisation. Empty if H is not
