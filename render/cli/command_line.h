@@ -25,8 +25,7 @@ struct PrintOrder {
 /// Prints the text. Returns the exit code. Always 0.
 int carryOut(const PrintOrder& order);
 
-/// A parsed command. It contains all values that carryOut() needs and no references to the
-/// parser.
+/// A parsed command. It contains all values that carryOut() needs and no references to the parser.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
                            ConvertOrder, ModelsOrder, StudyOrder, SweepOrder, VerifyOrder,
                            CurvesOrder, FigureOrder, PageOrder, PrintOrder>;

@@ -313,8 +313,8 @@ std::vector<const study::Study*> chosenStudies(const std::string& name) {
   return chosen;
 }
 
-/// The command to repeat it, without --resume, which changes no result. For the caption of
-/// NAME.csv and NAME.json.
+/// The command to repeat it, without --resume, which changes no result. For the caption of NAME.csv
+/// and NAME.json.
 std::string commandText(const StudyOrder& order) {
   return fmt::format("kirireel study {}{}", order.name.string(),
                      order.settings.extent == study::Extent::Quick ? " --quick" : "");

@@ -285,15 +285,15 @@ std::string settingTable(const CLI::Option& option);
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
               const std::string& help);
 
-/// Throws InputError if an argument is missing. `what`: its name. `command`: for the example
-/// in the message.
+/// Throws InputError if an argument is missing. `what`: its name. `command`: for the example in the
+/// message.
 void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command);
 
 /// The replacement for an option of former versions, "; give ..."; empty for others.
 std::string replacementOf(const std::string& option);
 
-/// The command with its parents, e.g. "kirireel generate tessellation". For messages that
-/// refer to the help.
+/// The command with its parents, e.g. "kirireel generate tessellation". For messages that refer to
+/// the help.
 std::string fullName(const CLI::App& command);
 
 /// The innermost command that was given, e.g. "generate tessellation". The program itself if no

@@ -57,8 +57,7 @@ std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs
 // `kirireel record MODEL` and `kirireel simulate MODEL`.
 
 /// A deployment and its outputs. Filled in three steps: by parsing, by completeOrder() and, for
-/// data that need the model, by prepareOrder(). After parsing it has no references to the
-/// parser.
+/// data that need the model, by prepareOrder(). After parsing it has no references to the parser.
 struct RecordOrder {
   std::filesystem::path model;            ///< a folder or a file
   formats::ReadSettings reading;          ///< of `model`

@@ -114,10 +114,9 @@ scene::SceneFile readSceneFileOf(CLI::App& command, CLI::App& all,
 }
 
 // ------------------------------------------------------------------------------------------------
-// A key of scene.toml is the long name of an option with underscores, in the table of the
-// option's group. Every option of a run can be in the file without another list of keys. Values
-// are passed as text to the option's own reader. Its error message gets the file position as
-// prefix.
+// A key of scene.toml is the long name of an option with underscores, in the table of the option's
+// group. Every option of a run can be in the file without another list of keys. Values are passed
+// as text to the option's own reader. Its error message gets the file position as prefix.
 //
 // An option on the command line has priority over the file.
 

@@ -1,5 +1,4 @@
-// A sweep does many runs in worker processes. The fingerprint of each run names its folder.
-// Steps:
+// A sweep does many runs in worker processes. The fingerprint of each run names its folder. Steps:
 //
 // - 1. Check all keys and values one by one (sweep_command.h).
 // - 2. Workers take runs in turn. They skip a run whose folder exists or which another process has

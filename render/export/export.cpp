@@ -1,17 +1,15 @@
 // Each format is one row of the table exportFormats(): its name, the endings of its files, and
-// their writers. The command line, the help and the list of exported files come from this
-// table. isExported() uses it to recognise files, so an export never overwrites other files.
-// Files are
+// their writers. The command line, the help and the list of exported files come from this table.
+// isExported() uses it to recognise files, so an export never overwrites other files. Files are
 //   of a state        state_####ENDING, written from one sample;
 //   of elements     the same, or sheetENDING for the flat start with necks: decks, jobs and
 //                   meshes. They share one mesh of elements and are written together
 //                   (writeElements());
 //   of a deployment   one file with its own name, written from the whole trajectory.
 //
-// An export selects states (export.h), reads each state's sample once and passes it to all
-// formats. The files of the whole deployment follow. After an error all written files are removed
-// again (WrittenFiles). exportStates() moves files into place only when all are complete
-// (FileSet).
+// An export selects states (export.h), reads each state's sample once and passes it to all formats.
+// The files of the whole deployment follow. After an error all written files are removed again
+// (WrittenFiles). exportStates() moves files into place only when all are complete (FileSet).
 //
 // A mesh of elements is made once per state, for decks, Gmsh and the jobs. A drive job has its own
 // coarse mesh if tiles stay rigid in the motion.
@@ -654,9 +652,9 @@ struct Locking {
 /// Kirchhoff's. `slenderness` is width / thickness, `perEdge` the number of elements
 /// along an edge, >= 4. Few thin elements are too stiff (locking): x / (1 + x) with
 ///     x = c (8 / perEdge)^p slenderness^q,
-/// at most 0.75 with quadratic elements of hinged tiles.
-/// Fitted to decks with 4 to 16 elements and a slenderness of 50 to 1000. Hinged tiles: within 0.13
-/// of solids, within 0.23 of shells. Sheets with necks, whose meshes are irregular: within 0.04.
+/// at most 0.75 with quadratic elements of hinged tiles. Fitted to decks with 4 to 16 elements and
+/// a slenderness of 50 to 1000. Hinged tiles: within 0.13 of solids, within 0.23 of shells. Sheets
+/// with necks, whose meshes are irregular: within 0.04.
 double lockingOf(double slenderness, double perEdge, const fea::ElementRule& rule) {
   const bool isShell = rule.family == fea::ElementFamily::Shell;
   const bool isNecked = rule.joints == fea::JointStyle::Neck;
@@ -923,8 +921,8 @@ std::size_t nearestSample(const std::vector<double>& times, double time) {
   return static_cast<std::size_t>(nearest - times.begin());
 }
 
-/// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.
-/// Sampling can end a fraction of an interval before the end time of the run.
+/// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s. Sampling
+/// can end a fraction of an interval before the end time of the run.
 std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
   // Times up to half a sample after the end count as the end.
   const double slack = times.size() > 1 ? 0.5 * (times[1] - times[0]) : 0;
@@ -1098,11 +1096,11 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
 }
 
 // ------------------------------------------------------------------------------------------------
-// The opening d of a sheet under 1 N at both ends (outside_program.h) is its compliance in m/N,
-// one number for the whole mesh. It is computed with the chosen elements, d1, and with elements
-// half as long, d2. The reported change is 100 (d2 / d1 - 1) per cent. It is small for a
-// sufficiently fine mesh. With single-node joints the number grows without limit, which this check
-// reveals. The job is that of the deck: moments of springs that are not at rest also move the ends.
+// The opening d of a sheet under 1 N at both ends (outside_program.h) is its compliance in m/N, one
+// number for the whole mesh. It is computed with the chosen elements, d1, and with elements half as
+// long, d2. The reported change is 100 (d2 / d1 - 1) per cent. It is small for a sufficiently fine
+// mesh. With single-node joints the number grows without limit, which this check reveals. The job
+// is that of the deck: moments of springs that are not at rest also move the ends.
 //
 // Half the length in the plane gives four times as many elements. The number through the thickness
 // stays, because the check is about bending.

@@ -13,8 +13,7 @@ namespace kirireel::exports {
 
 /// The names of the export formats of a state or the whole deployment, in the order of the help:
 /// the first column of the table in export.cpp, which has the files of each format. In file names
-/// #### is the requested state (final, 50pct, 1.5s, 30deg), or the number of the sample for
-/// `all`.
+/// #### is the requested state (final, 50pct, 1.5s, 30deg), or the number of the sample for `all`.
 std::vector<std::string> exportFormatNames();
 
 /// Selection of exports. Defaults are those of the command line.
@@ -32,10 +31,9 @@ struct ExportSettings {
 /// The settings with lengths converted from this unit to metres.
 ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit);
 
-/// Throws like exportStates for any run of this model: InputError for unknown or repeated
-/// formats, and for impossible cut patterns, elements, joint patches and necks, and for drives of
-/// tiles that do not exist. Makes the elements of the start once, which is the cost of this early
-/// check.
+/// Throws like exportStates for any run of this model: InputError for unknown or repeated formats,
+/// and for impossible cut patterns, elements, joint patches and necks, and for drives of tiles that
+/// do not exist. Makes the elements of the start once, which is the cost of this early check.
 void requireExportable(const model::Model& model, const brick::BrickRule& rule,
                        const ExportSettings& settings);
 

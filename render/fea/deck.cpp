@@ -581,9 +581,8 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
 //
 // k is the stiffness (N m/rad), "rest" the angle without moment and "angle" that of the hinge in
-// the run (rad). The first term is a constant moment (*CLOAD). The second is the spring element
-// of the deck, which is at rest in the mesh's state. Neither program needs a pre-stressed
-// spring.
+// the run (rad). The first term is a constant moment (*CLOAD). The second is the spring element of
+// the deck, which is at rest in the mesh's state. Neither program needs a pre-stressed spring.
 //
 // A hinge through the thickness has a patch on the bottom and on the top of each of its tiles. They
 // share the stiffness equally.
@@ -656,9 +655,8 @@ int addHingeSprings(ElementMesh& mesh, const std::vector<brick::Brick>& bricks,
 //
 //     in MIN if x - lo <= 1e-6 s,    in MAX if hi - x <= 1e-6 s.
 //
-// A dependent node (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and Abaqus
-// refuse prescribed displacements there. Reference nodes of patches replace the nodes of their
-// patches.
+// A dependent node (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and Abaqus refuse
+// prescribed displacements there. Reference nodes of patches replace the nodes of their patches.
 //
 // For a uniform traction on an end, a node gets the integral of its shape function over the faces,
 // divided by their area. On a rectangle of 8 nodes that is -1/12 at corners and 1/3 at middles, of

@@ -156,11 +156,10 @@ const char* elementType(const TileElements& tile, const ElementRule& rule);
 // ------------------------------------------------------------------------------------------------
 // Rigid patches at joints, and springs between them, in decks of CalculiX and Abaqus.
 
-/// The rigid patches of a mesh with their reference nodes, numbered after the mesh's own nodes.
-/// In CalculiX the patches of a joint share one node. A patch with a spring has a further node
-/// for its rotation (ROT NODE). In Abaqus a node governs only one rigid body: each patch has
-/// its own, and *MPC pins them together. Boundary conditions may use only the first node of a
-/// joint.
+/// The rigid patches of a mesh with their reference nodes, numbered after the mesh's own nodes. In
+/// CalculiX the patches of a joint share one node. A patch with a spring has a further node for its
+/// rotation (ROT NODE). In Abaqus a node governs only one rigid body: each patch has its own, and
+/// *MPC pins them together. Boundary conditions may use only the first node of a joint.
 class PatchDeck {
  public:
   /// The mesh must outlive this object. Makes no nodes if the mesh has no patches.
@@ -238,9 +237,8 @@ struct NodeShare {
 };
 
 /// The consistent nodal forces of a uniform traction on the end `end` of boundarySets(), by
-/// ascending node: integrals of the shape functions over the faces (over lines for shells and
-/// plane elements). Dependent nodes are included. If no edge is an end, all its nodes have equal
-/// shares.
+/// ascending node: integrals of the shape functions over the faces (over lines for shells and plane
+/// elements). Dependent nodes are included. If no edge is an end, all its nodes have equal shares.
 std::vector<NodeShare> endShares(const ElementMesh& mesh, int end);
 
 // ------------------------------------------------------------------------------------------------
@@ -319,12 +317,11 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Auto,
 // ------------------------------------------------------------------------------------------------
 // Separation of nodes at one position.
 
-/// The positions of a mesh's nodes, metres. Coinciding nodes are moved by 1e-7 of the
-/// sheet's size (diagonal of its bounding box) into their elements. Closed slits have
-/// coinciding nodes on both sides. Programs report these as duplicates or merge them: Gmsh
-/// merges positions that differ by up to 2e-8 of the size in each coordinate. All other
-/// positions stay unchanged. One position per node. Nodes that still coincide after four
-/// passes stay so.
+/// The positions of a mesh's nodes, metres. Coinciding nodes are moved by 1e-7 of the sheet's size
+/// (diagonal of its bounding box) into their elements. Closed slits have coinciding nodes on both
+/// sides. Programs report these as duplicates or merge them: Gmsh merges positions that differ by
+/// up to 2e-8 of the size in each coordinate. All other positions stay unchanged. One position per
+/// node. Nodes that still coincide after four passes stay so.
 std::vector<Vector3> separatedNodes(const ElementMesh& mesh);
 
 }  // namespace kirireel::fea

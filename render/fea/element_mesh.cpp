@@ -106,9 +106,8 @@ struct Division {
   }
 };
 
-/// Concave tiles use their triangulation, four-sided tiles a grid, all others a fan. Opposite
-/// edges of a grid have the count of the longer edge. A fan has one even count, by the longest
-/// edge.
+/// Concave tiles use their triangulation, four-sided tiles a grid, all others a fan. Opposite edges
+/// of a grid have the count of the longer edge. A fan has one even count, by the longest edge.
 Division divisionOf(const brick::Brick& brick, const ElementRule& rule, int defaultCount) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());

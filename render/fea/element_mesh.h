@@ -181,8 +181,7 @@ inline constexpr int kDefaultPerEdge = 8;
 /// and makes up to seven passes over them.
 int defaultPerEdge(const std::vector<brick::Brick>& bricks, const ElementRule& rule);
 
-/// Whether the default number of elements along edges is below 8. Messages report this to the
-/// user.
+/// Whether the default number of elements along edges is below 8. Messages report this to the user.
 bool isCoarsened(const std::vector<brick::Brick>& bricks, const ElementRule& rule);
 
 /// Divides all bricks at the given poses. Four-sided tiles become grids. Triangles and other

@@ -22,9 +22,9 @@ struct DeckJob {
   std::string text;  ///< text of the job, which includes the mesh deck
 };
 
-/// A job that includes the mesh deck `meshFile` and runs without editing. Only minSupports hold
-/// the sheet. A force of 1 N on each end of its longest axis (XMIN and XMAX, or of another axis)
-/// pulls it along the line between the middles of these ends. The force passes through its joints.
+/// A job that includes the mesh deck `meshFile` and runs without editing. Only minSupports hold the
+/// sheet. A force of 1 N on each end of its longest axis (XMIN and XMAX, or of another axis) pulls
+/// it along the line between the middles of these ends. The force passes through its joints.
 /// Requests displacements, stresses, strains and reactions. The user can edit it as a template.
 /// *INCLUDE gets `meshFile` unchanged. Throws like minSupports and costs as much: a sparse
 /// factorisation of six unknowns per tile.
@@ -50,22 +50,20 @@ void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFro
 /// The chosen tiles, zero-based. Throws like requireDrivable.
 std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice);
 
-/// A job that follows a deployment with large displacements. *AMPLITUDE moves nodes of the
-/// driven tiles (tileDisplacements) as in the trajectory. It also moves the remaining
-/// mechanisms of the joints (minSupports). The time of its step is the deployment's time.
-/// Prints the reactions at NDRIVE in every increment, in CalculiX also the strain energy.
-/// `history` has at least two times and one set of poses for each. Samples are skipped if a
-/// deck would have more than 200,000 pairs. Throws like requireDrivable and
-/// tileDisplacements.
+/// A job that follows a deployment with large displacements. *AMPLITUDE moves nodes of the driven
+/// tiles (tileDisplacements) as in the trajectory. It also moves the remaining mechanisms of the
+/// joints (minSupports). The time of its step is the deployment's time. Prints the reactions at
+/// NDRIVE in every increment, in CalculiX also the strain energy. `history` has at least two times
+/// and one set of poses for each. Samples are skipped if a deck would have more than 200,000 pairs.
+/// Throws like requireDrivable and tileDisplacements.
 DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                  const std::string& meshFile, const TileHistory& history);
 
-/// A job that moves a mesh to a later state of the same sheet in one step with large
-/// displacements. Every independent node moves to its position in `later`, which has the same node
-/// numbers. Tiles only rotate, without strain: the mesh's own state is stress-free, and the
-/// displacements are the map from one state to the other. Later steps can start there. Throws
-/// InputError for shells and plane elements, whose nodal rotations are unknown. `later` must have
-/// the same rule as `mesh`.
+/// A job that moves a mesh to a later state of the same sheet in one step with large displacements.
+/// Every independent node moves to its position in `later`, which has the same node numbers. Tiles
+/// only rotate, without strain: the mesh's own state is stress-free, and the displacements are the
+/// map from one state to the other. Later steps can start there. Throws InputError for shells and
+/// plane elements, whose nodal rotations are unknown. `later` must have the same rule as `mesh`.
 DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
                     const DeckOrigin& origin, const std::string& meshFile);
 
@@ -99,13 +97,12 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
     const ElementMesh& mesh, const std::vector<int>& tiles,
     const std::vector<std::vector<Quaternion>>& turns = {});
 
-/// The minimum set of displacements that prevents all motions of rigid tiles: six for the
-/// whole and one for each first-order mechanism. They carry no load from each other, so
-/// reactions follow from equilibrium. Springs at all hinges leave no mechanism.
-/// `fixedTiles` are already held by other means. `loadedNodes` are held only if there are
-/// no others, since the load on a held node is part of its reaction. Sorted. Throws
-/// InputError like tileDisplacements. Costs a sparse QR factorisation of six unknowns per
-/// tile (job.h).
+/// The minimum set of displacements that prevents all motions of rigid tiles: six for the whole and
+/// one for each first-order mechanism. They carry no load from each other, so reactions follow from
+/// equilibrium. Springs at all hinges leave no mechanism. `fixedTiles` are already held by other
+/// means. `loadedNodes` are held only if there are no others, since the load on a held node is part
+/// of its reaction. Sorted. Throws InputError like tileDisplacements. Costs a sparse QR
+/// factorisation of six unknowns per tile (job.h).
 std::vector<NodeDisplacement> minSupports(const ElementMesh& mesh,
                                           const std::vector<int>& fixedTiles = {},
                                           const std::vector<int>& loadedNodes = {});

@@ -1,8 +1,7 @@
-// The outline's regions become surfaces that share lines between tiles and necks, so Gmsh
-// makes one mesh of them. The two sides of a slit are separate lines, so it stays open.
-// All cells are quadrilaterals: Gmsh combines triangles to quadrilaterals and then divides
-// each cell into quadrilaterals of half its size. At a distance d from the necks their
-// size is
+// The outline's regions become surfaces that share lines between tiles and necks, so Gmsh makes one
+// mesh of them. The two sides of a slit are separate lines, so it stays open. All cells are
+// quadrilaterals: Gmsh combines triangles to quadrilaterals and then divides each cell into
+// quadrilaterals of half its size. At a distance d from the necks their size is
 //     h(d) = clamp(h_neck + 0.25 (d - w / 2), h_neck, h_tile),   h_neck = w / 6, h_tile = size / 8,
 //
 // At a distance d from corners, where stresses are singular, it is at most h_neck / 8 + 0.25 d. All

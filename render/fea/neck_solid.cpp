@@ -3,9 +3,8 @@
 // the end of another is found by rotating about their common point through all regions that share
 // lines there. Loops therefore do not cross at points where they touch.
 //
-// STL: each region's triangles on both faces, and two triangles per side. The ear with the
-// largest minimum angle is cut off first, so no triangle is degenerate although many points are
-// collinear.
+// STL: each region's triangles on both faces, and two triangles per side. The ear with the largest
+// minimum angle is cut off first, so no triangle is degenerate although many points are collinear.
 //
 // STEP: loops are wires of one plane face, which is extruded.
 #include "render/fea/neck_solid.h"

@@ -55,10 +55,10 @@ std::string stepByGmsh(const std::string& geometry);
 void requireCalculix();
 
 /// The relative displacement of the two loaded ends in a job of staticJob, in the deck's unit of
-/// length. It is computed as the work of the forces, which are 1 N. The job uses CalculiX's keywords.
-/// `meshText` is the included mesh deck with its sets. Runs `ccx` in a temporary folder, which is
-/// always removed. Throws InputError if there is no such program, RunError with its last output
-/// if it fails. The time is that of ccx: a sparse direct factorisation of three unknowns per
+/// length. It is computed as the work of the forces, which are 1 N. The job uses CalculiX's
+/// keywords. `meshText` is the included mesh deck with its sets. Runs `ccx` in a temporary folder,
+/// which is always removed. Throws InputError if there is no such program, RunError with its last
+/// output if it fails. The time is that of ccx: a sparse direct factorisation of three unknowns per
 /// node.
 double openingByCalculix(const std::string& meshText, std::string jobText);
 

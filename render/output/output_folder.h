@@ -119,8 +119,7 @@ class RecordedFiles {
   explicit RecordedFiles(std::filesystem::path folder);
 
   /// Whether this name exists but is not a file in its recorded state: another file, a folder, a
-  /// dangling link. A link to identical bytes may be replaced. Reads the file if its size
-  /// matches.
+  /// dangling link. A link to identical bytes may be replaced. Reads the file if its size matches.
   bool isForeign(const std::string& name) const;
 
   /// Whether a file with this name is in its recorded state and not reached through a link.

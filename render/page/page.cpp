@@ -9,8 +9,8 @@
 // The file contains everything, because it is sent by mail and opened from a disk, where browsers
 // refuse to load neighbouring files. The still picture is for browsers without WebGL.
 //
-// Text from a model (names, warnings) is escaped; the JSON is in a script element, which ends
-// at "</", so every "<" is written as \u003c.
+// Text from a model (names, warnings) is escaped; the JSON is in a script element, which ends at
+// "</", so every "<" is written as \u003c.
 #include "render/page/page.h"
 
 #include <algorithm>

@@ -111,10 +111,9 @@ struct PageStates {
 /// given theme replaces that of the appearance.
 Json styleJson(picture::Theme theme, const picture::Appearance& appearance);
 
-/// One run for stage.js: bricks, poses, joints, measures, target, surroundings and cameras.
-/// Throws InputError if the style needs data that the run lacks. Reads the trajectory once for
-/// the states and once for the curves. Each state of a thousand bricks takes 14 kB before
-/// compression.
+/// One run for stage.js: bricks, poses, joints, measures, target, surroundings and cameras. Throws
+/// InputError if the style needs data that the run lacks. Reads the trajectory once for the states
+/// and once for the curves. Each state of a thousand bricks takes 14 kB before compression.
 Json runJson(const trajectory::TrajectoryReader& run, const picture::Appearance& appearance,
              const PageStates& states);
 
@@ -151,8 +150,7 @@ struct WebPageSettings {
 /// embedded in the program; empty in a build without it.
 std::string_view embeddedFile(std::string_view name);
 
-/// Whether this program can make pages: three.js was available at build time and is
-/// embedded.
+/// Whether this program can make pages: three.js was available at build time and is embedded.
 bool canMakePages();
 /// Throws OutputError with advice if the program cannot make pages.
 void requirePages();

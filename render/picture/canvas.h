@@ -132,8 +132,8 @@ Frame drawnPage(const PageSettings& settings, const std::function<void(Canvas&)>
 
 /// Draws what the camera sees of the geometry, from back to front, in parts called `name`_ground,
 /// _shadow, _bricks, _outlines and _overlay as far as there are such (without `name`_ when that is
-/// empty). size: of the picture, pixels; its upper left corner is at `corner` of the canvas.
-/// Names must be unique on a page: they become ids in SVG.
+/// empty). size: of the picture, pixels; its upper left corner is at `corner` of the canvas. Names
+/// must be unique on a page: they become ids in SVG.
 void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSize size,
                   const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
 

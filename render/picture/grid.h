@@ -43,9 +43,9 @@ struct PictureBox {
   PictureBox scaled(double scale) const;
 };
 
-/// The part without the empty margins that all pictures share. A small margin and a caption's
-/// width remain. Pixels that equal the first picture's upper left pixel are empty. The pictures,
-/// one or more, must have one size.
+/// The part without the empty margins that all pictures share. A small margin and a caption's width
+/// remain. Pixels that equal the first picture's upper left pixel are empty. The pictures, one or
+/// more, must have one size.
 PictureBox filledPart(const std::vector<GridPicture>& pictures);
 
 /// The part of a picture; it must lie within the picture.

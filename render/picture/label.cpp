@@ -170,8 +170,8 @@ std::shared_ptr<void> fontPattern(const FontFile& font) {
 
 // ------------------------------------------------------------------------------------------------
 // Fallback fonts. fontconfig sorts the fonts of the machine by the number of missing characters
-// that they have, then by similarity. A character is drawn with the first font that has it.
-// Fonts of bitmaps or of colours have no outlines for vector graphics, so they are skipped.
+// that they have, then by similarity. A character is drawn with the first font that has it. Fonts
+// of bitmaps or of colours have no outlines for vector graphics, so they are skipped.
 
 namespace {
 

@@ -20,9 +20,8 @@ namespace kirireel::picture {
 /// Weight of letters.
 enum class Weight { Regular, Bold };
 
-/// Sets the family of all text from now on, for example "Liberation Sans"; empty: the
-/// default. Throws InputError if the machine has no such family. Call it before other threads
-/// start.
+/// Sets the family of all text from now on, for example "Liberation Sans"; empty: the default.
+/// Throws InputError if the machine has no such family. Call it before other threads start.
 void setFont(const std::string& family);
 
 /// The font file for labels: that of setFont(), else $KIRIREEL_FONT if set, else DejaVu Sans at its
@@ -109,9 +108,9 @@ class LabelWriter {
   std::unique_ptr<Fonts> fonts_;
 };
 
-/// Throws InputError with the option's name if a text is not UTF-8 or has a character that
-/// no font has, with Debian's package for its script. Throws OutputError if the main font is
-/// missing. Line feeds are allowed.
+/// Throws InputError with the option's name if a text is not UTF-8 or has a character that no font
+/// has, with Debian's package for its script. Throws OutputError if the main font is missing. Line
+/// feeds are allowed.
 void requireDrawable(const char* option, const std::string& text);
 
 // ------------------------------------------------------------------------------------------------

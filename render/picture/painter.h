@@ -28,8 +28,8 @@ enum class Smoothness {
 class Painter {
  public:
   /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
-  /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), for pictures
-  /// of any size.
+  /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), for pictures of
+  /// any size.
   Painter(FrameSize size, const std::vector<brick::Brick>& bricks, const Style& style,
           Smoothness smoothness = Smoothness::Still);
   ~Painter();
@@ -73,10 +73,10 @@ struct SampleRows {
   int samplesDown = kMostSamplesDown;     ///< of a pixel: 2 or 3
 };
 
-/// Writes one row of `count` pixels, straight alpha: the mean of each pixel's samples, in
-/// each channel the nearest byte, halves up. Only the means of the colours that show count where
-/// samples are transparent. `pixels` has room for 4 count bytes. Called for each row of a part that
-/// is read back, so it decides a good part of the time of a picture.
+/// Writes one row of `count` pixels, straight alpha: the mean of each pixel's samples, in each
+/// channel the nearest byte, halves up. Only the means of the colours that show count where samples
+/// are transparent. `pixels` has room for 4 count bytes. Called for each row of a part that is read
+/// back, so it decides a good part of the time of a picture.
 void averageRow(const SampleRows& rows, int count, std::uint8_t* pixels);
 
 }  // namespace kirireel::picture

@@ -25,9 +25,8 @@ class Occluders {
   explicit Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces);
 
   /// The fraction of a face's ambient light that other bricks block, [0, 1], averaged over some
-  /// points of the face. brick: its brick; corners: its corners, world axes; normal: unit,
-  /// outward. Checks the bricks whose centres are within the reach along x, of which few are
-  /// near.
+  /// points of the face. brick: its brick; corners: its corners, world axes; normal: unit, outward.
+  /// Checks the bricks whose centres are within the reach along x, of which few are near.
   double occlusion(int brick, std::span<const Vector3> corners, const Vector3& normal) const;
 
  private:

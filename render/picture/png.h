@@ -11,8 +11,7 @@
 
 namespace kirireel::picture {
 
-/// Settings of a PNG. No row filters: without them flat-shaded pictures are smallest and
-/// fastest.
+/// Settings of a PNG. No row filters: without them flat-shaded pictures are smallest and fastest.
 struct PngSettings {
   int compressionLevel = 6;           ///< of zlib, 0 (none) to 9
   std::optional<double> dotsPerInch;  ///< printed resolution stored in the file, > 0

@@ -1,13 +1,11 @@
-// A PictureSetup defines a picture (style, colours, camera, items) without graphics. A
-// StatePainter adds a painter and the strip. Several painters, each on its own thread, can share
-// one setup.
+// A PictureSetup defines a picture (style, colours, camera, items) without graphics. A StatePainter
+// adds a painter and the strip. Several painters, each on its own thread, can share one setup.
 //
 // If colours show values, lights are weaker: ambient 0.84 and 38% of the directed lights. Every
 // face's colour can then be found on the scale, and faces remain distinct.
 //
-// If the camera kept in view bricks that fly off (a yielding joint, a bad step), all others
-// would shrink to a dot. The fit therefore ignores bricks farther than 20 model sizes from their
-// start.
+// If the camera kept in view bricks that fly off (a yielding joint, a bad step), all others would
+// shrink to a dot. The fit therefore ignores bricks farther than 20 model sizes from their start.
 #include "render/picture/state_painter.h"
 
 #include <algorithm>

@@ -141,8 +141,7 @@ struct Appearance {
   OutlineWidths outlineWidths;          ///< of these lines
   /// Print resolution; absent: see pixelsPerInchOf().
   std::optional<double> pixelsPerInch;
-  /// Brightness loss of a face that other bricks fully occlude, [0, 1]; absent: the
-  /// style's.
+  /// Brightness loss of a face that other bricks fully occlude, [0, 1]; absent: the style's.
   std::optional<double> occlusion;
   bool jointMarks = false;           ///< a dot on each joint
   bool targetLines = false;          ///< the target's tiles as lines, dashed where bricks hide them
@@ -263,10 +262,9 @@ std::vector<int> shapeKinds(const std::vector<brick::Brick>& bricks);
 /// Selects the colours of all bricks in every picture of one run.
 class BrickPalette {
  public:
-  /// Throws InputError if the colouring needs a missing target or springs at hinges, if the
-  /// ends of the scale are in the wrong order, if tiles with a colour or an opacity do not
-  /// exist, and if tiles have colours although colours show values. The content must outlive
-  /// the palette.
+  /// Throws InputError if the colouring needs a missing target or springs at hinges, if the ends of
+  /// the scale are in the wrong order, if tiles with a colour or an opacity do not exist, and if
+  /// tiles have colours although colours show values. The content must outlive the palette.
   BrickPalette(const Appearance& appearance, const PictureContent& content);
 
   /// One entry per brick; empty if all bricks have the style's colours. `poses` has one pose per
@@ -357,8 +355,7 @@ Vector3 vertexPosition(const PictureContent& content, const Poses& poses,
 /// Selects the view of a motion from some of its states. The first state is its start.
 void setView(const Appearance& appearance, std::span<const Poses> states, PictureContent& content);
 
-/// All inputs of a picture except the painter: items, style and cameras. Needs no graphics
-/// context.
+/// All inputs of a picture except the painter: items, style and cameras. Needs no graphics context.
 class PictureSetup {
  public:
   /// Throws InputError if the appearance requires something that the content lacks.

@@ -104,8 +104,7 @@ GroundPlate groundUnder(std::span<const Vector3> points, double height) {
 
 // ------------------------------------------------------------------------------------------------
 // Scales are tables of 17 colours at equal steps, interpolated linearly in each sRGB channel. They
-// differ by at most two levels from the full tables of 256 colours, and are short enough to
-// read.
+// differ by at most two levels from the full tables of 256 colours, and are short enough to read.
 
 namespace {
 

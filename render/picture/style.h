@@ -66,8 +66,8 @@ struct Style {
   Colour edge = {38, 50, 66};                       ///< outlines, see outlineOn()
   Colour ground = {238, 238, 236};                  ///< of the plate, unlit
   Colour scenery = {176, 176, 174};                 ///< of obstacles
-  /// Unlit colour of the shadow on the plate. With alpha below 255 it blends with the
-  /// background. Overlapping shadows are as dark as one.
+  /// Unlit colour of the shadow on the plate. With alpha below 255 it blends with the background.
+  /// Overlapping shadows are as dark as one.
   Colour shadow = {206, 207, 208};
   /// Softness of the shadow of a point at height 1 above the plate, 0: hard edges. It is the
   /// tangent of the angular diameter of the light that casts it.
@@ -114,9 +114,8 @@ Vector3 shadowOf(const Vector3& point, const Style& style);
 /// The colour at a fraction of the full shadow, from 0 (no shadow) to 1.
 Colour partialShadow(const Style& style, double share);
 
-/// A ground plate around points at the given height. Half a side is four diagonals of the
-/// points' box, so its borders are visible only from near the ground. Requires at least one
-/// point.
+/// A ground plate around points at the given height. Half a side is four diagonals of the points'
+/// box, so its borders are visible only from near the ground. Requires at least one point.
 GroundPlate groundUnder(std::span<const Vector3> points, double height);
 
 // ------------------------------------------------------------------------------------------------

@@ -490,9 +490,8 @@ std::string encoderLibraryVersion() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The table of formats. A new format needs its ending, its muxer and encoder as named by
-// `ffmpeg -muxers` and `ffmpeg -encoders`, and the filters from RGBA to a pixel format of the
-// encoder.
+// The table of formats. A new format needs its ending, its muxer and encoder as named by `ffmpeg
+// -muxers` and `ffmpeg -encoders`, and the filters from RGBA to a pixel format of the encoder.
 //
 // GIF: at most 256 colours per frame. palettegen finds them for each frame separately
 // (stats_mode=single), and paletteuse without dither keeps flat faces flat. Its times are in

@@ -3,8 +3,8 @@
 //   Y' = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
 //   Cb = 128 + 224/255 (B - E) / 1.8556,  Cr = 128 + 224/255 (R - E) / 1.5748,
 //
-// where E is the bracket of the first line. A sample of Cb or Cr covers two rows of pixels and
-// lies on an even column, whose weight is twice that of its neighbours.
+// where E is the bracket of the first line. A sample of Cb or Cr covers two rows of pixels and lies
+// on an even column, whose weight is twice that of its neighbours.
 //
 // The loops have plain numbers and no branches, so the compiler makes vector instructions. Two
 // channels are added at once, as the halves of a 32-bit word. They are weighted as floats, because

@@ -15,9 +15,8 @@ namespace kirireel::python {
 // ------------------------------------------------------------------------------------------------
 // Ctrl-C during calls without Python code.
 
-/// During its lifetime every thread can detect Ctrl-C at once. Python itself would only check
-/// after the call. Python's own handler stays active, and a Ctrl-C that Python ignores is
-/// ignored.
+/// During its lifetime every thread can detect Ctrl-C at once. Python itself would only check after
+/// the call. Python's own handler stays active, and a Ctrl-C that Python ignores is ignored.
 class InterruptionWatch {
  public:
   /// Watches for Ctrl-C during its lifetime, on the thread that made it.

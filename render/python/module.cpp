@@ -27,8 +27,8 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_kirireel, module) {
   module.doc() = "Kirireel's C++, for the package kirireel.";
-  // pybind11 imports NumPy for its first array, and two threads that both do this wait for
-  // each other: import it now.
+  // pybind11 imports NumPy for its first array, and two threads that both do this wait for each
+  // other: import it now.
   py::dtype::of<double>();
   module.attr("__version__") = record::programVersion();
   addErrors(module);

@@ -73,8 +73,7 @@ const char* abscissaTitle(CurvesAgainst against) {
   return against == CurvesAgainst::Progress ? "share of the motion" : "mean opening, degrees";
 }
 
-/// The values of the horizontal axis, one per sample. They may descend: a sheet may close
-/// again.
+/// The values of the horizontal axis, one per sample. They may descend: a sheet may close again.
 PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<double>& progress,
                         CurvesAgainst against) {
   const char* title = abscissaTitle(against);

@@ -180,11 +180,10 @@ std::vector<PlottedRun> plottedRuns(const std::vector<NamedRun>& runs,
 /// Opens the run of a trajectory.h5, with the name of its folder. Throws like TrajectoryReader.
 NamedRun openRun(const std::filesystem::path& trajectory);
 
-/// Writes curves.csv and the figures to the folder, all or none, and lists them in
-/// contents.json. Several runs have one table each, curves_1.csv and so on, and one figure.
-/// Returns the file names. Throws InputError if files from elsewhere are in the way or a run
-/// lacks the quantity of the axis, OutputError if a file cannot be written. Reads each
-/// trajectory once.
+/// Writes curves.csv and the figures to the folder, all or none, and lists them in contents.json.
+/// Several runs have one table each, curves_1.csv and so on, and one figure. Returns the file
+/// names. Throws InputError if files from elsewhere are in the way or a run lacks the quantity of
+/// the axis, OutputError if a file cannot be written. Reads each trajectory once.
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings);
 

@@ -62,8 +62,7 @@ struct PictureSettings {
   double length = 8;       ///< of a video at an even pace without title, seconds
   double speed =
       1;  ///< simulated seconds per second of a video at real pace, > 0; < 1 is slow motion
-  /// Additional seconds of the video's first and last frame; absent: 0.5 at an even pace, else
-  /// 0.
+  /// Additional seconds of the video's first and last frame; absent: 0.5 at an even pace, else 0.
   std::optional<double> hold;
   /// Text of a card before the video, UTF-8, with line feeds. No card if title and subtitle are
   /// empty.

@@ -15,10 +15,9 @@ namespace kirireel::record {
 // ------------------------------------------------------------------------------------------------
 // The motion of a run, and its relation to a video's time.
 
-/// The motion of a run up to each time: the length of its path, which is the sum of
-/// pathDistance() between samples, piecewise linear in time. Bricks too far away to be
-/// shown do not count. Bisection finds a fraction in logarithmic time of the number of
-/// samples.
+/// The motion of a run up to each time: the length of its path, which is the sum of pathDistance()
+/// between samples, piecewise linear in time. Bricks too far away to be shown do not count.
+/// Bisection finds a fraction in logarithmic time of the number of samples.
 class MotionCurve {
  public:
   /// times: ascending, seconds, at least one; lengths: as many, metres, not decreasing, first 0.

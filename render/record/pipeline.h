@@ -29,8 +29,7 @@ namespace kirireel::record {
 // Any number of threads may push and pop. One mutex and one condition suffice: a video has at most
 // some hundred frames per second, so the cost of the lock is negligible.
 
-/// Passes values from pushing to popping threads, in order. Holds at most `capacity`
-/// values.
+/// Passes values from pushing to popping threads, in order. Holds at most `capacity` values.
 template <typename T>
 class BoundedQueue {
  public:
@@ -47,8 +46,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for a value and removes it. Empty after close() if no values are left, and after
-  /// stop().
+  /// Waits for a value and removes it. Empty after close() if no values are left, and after stop().
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return stopped_ || closed_ || !values_.empty(); });

@@ -284,8 +284,8 @@ void writeLoadCurve(const RecordSettings& settings, const LengthUnit& unit, RunS
   summary.files.emplace_back(output::kLoadCurve);
 }
 
-/// Sets up the graphics library, which reports missing parts before a simulation. Making a
-/// context takes a moment, but a run of hours without pictures costs more.
+/// Sets up the graphics library, which reports missing parts before a simulation. Making a context
+/// takes a moment, but a run of hours without pictures costs more.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
   // Mesa draws the triangles of all contexts with one set of threads. Without these threads it

@@ -20,13 +20,12 @@ using Deployer = std::function<run::DeploymentResult(
 /// seconds.
 RunSummary summaryOf(const run::DeploymentResult& result, double endTime);
 
-/// Deploys the scene to trajectory.h5, then makes all other requested files from it, and
-/// finally summary.json. Memory does not grow with the length of the run. The video of an
-/// interrupted run is complete up to there. A run that diverges or is interrupted also
-/// writes its files, with a note in the summary. During the run a checkpoint in the folder
-/// lets another call resume it. Throws InputError for settings out of range, OutputError if
-/// a file cannot be written. The folder and the settings are checked before the deployment
-/// starts.
+/// Deploys the scene to trajectory.h5, then makes all other requested files from it, and finally
+/// summary.json. Memory does not grow with the length of the run. The video of an interrupted run
+/// is complete up to there. A run that diverges or is interrupted also writes its files, with a
+/// note in the summary. During the run a checkpoint in the folder lets another call resume it.
+/// Throws InputError for settings out of range, OutputError if a file cannot be written. The folder
+/// and the settings are checked before the deployment starts.
 RunSummary record(const scene::Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer,
                   const Deployer& deployer = deploy::deployUnkept);

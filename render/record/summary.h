@@ -58,8 +58,7 @@ std::map<std::string, std::string> sweepInputs(const std::filesystem::path& fold
 // ------------------------------------------------------------------------------------------------
 // Checks that the files of a finished run are unchanged.
 
-/// Result of checking a run's folder. Each complaint begins with the path of the file
-/// concerned.
+/// Result of checking a run's folder. Each complaint begins with the path of the file concerned.
 struct VerifyReport {
   int files = 0;                        ///< number of files whose size and hash were compared
   int samples = 0;                      ///< number of samples whose figures were recomputed

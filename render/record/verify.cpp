@@ -297,8 +297,7 @@ class Verifier {
                                                const trajectory::Subject& subject,
                                                const std::vector<brick::Pivot>& pivots,
                                                const Poses& asRead) {
-    // As in the run: overlaps in the corners that joined bricks share do not count as
-    // "outside".
+    // As in the run: overlaps in the corners that joined bricks share do not count as "outside".
     const double zone = summary.at("settings").at("environment").at("pivot_zone");
     const double least = trajectory::kRoundingOverlap * model::tileSize(subject.model);
     const auto overlaps =

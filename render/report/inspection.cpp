@@ -307,11 +307,10 @@ std::string inspectionJson(const Inspection& inspection) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The painter draws the bricks. Numbers are then drawn over the pixels at the projected
-// middles and corners. A number is left out if another tile hides its position. Its size
-// depends on the tile's. With s the side of a square of equal pixel area, tiles' numbers are
-// 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20). Corners of tiles below 40 pixels
-// have no numbers.
+// The painter draws the bricks. Numbers are then drawn over the pixels at the projected middles and
+// corners. A number is left out if another tile hides its position. Its size depends on the tile's.
+// With s the side of a square of equal pixel area, tiles' numbers are 0.28 s high (7 to 40 pixels),
+// corners' 0.14 s (6 to 20). Corners of tiles below 40 pixels have no numbers.
 //
 // A corner's number is moved into its tile by 22%, which separates the numbers of tiles with a
 // common corner.

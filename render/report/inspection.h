@@ -68,9 +68,8 @@ Inspection inspect(const scene::Scene& scene,
 /// The inspection as text of several lines, one per subject.
 std::string inspectionText(const Inspection& inspection);
 
-/// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target":
-/// {...}, ...}. It is indented by two spaces and ends in a line feed. Missing values are
-/// null.
+/// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target": {...},
+/// ...}. It is indented by two spaces and ends in a line feed. Missing values are null.
 std::string inspectionJson(const Inspection& inspection);
 
 // ------------------------------------------------------------------------------------------------

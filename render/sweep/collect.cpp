@@ -1,6 +1,5 @@
 // A run is made in OUT/runs/HASH.part and renamed to OUT/runs/HASH when it is complete. rename(2)
-// is atomic within a file system, so a finished folder has either all its files or does not
-// exist.
+// is atomic within a file system, so a finished folder has either all its files or does not exist.
 //
 // The process that makes a run holds an advisory lock (flock(2)) on HASH.part/lock. The kernel
 // releases it when the process ends in any way, so stale locks do not occur. On NFS Linux converts
@@ -168,9 +167,8 @@ void RunClaim::finish(const RunRecord& record) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Collects the summaries of all finished runs in the order of the plan. The
-// table does not depend on the order in which runs were made. The result is two
-// tables:
+// Collects the summaries of all finished runs in the order of the plan. The table does not depend
+// on the order in which runs were made. The result is two tables:
 //     results   run, parameters..., status, reason, measures...
 //     costs     run, seconds and bytes of each stage
 //

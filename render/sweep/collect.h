@@ -153,11 +153,10 @@ struct ContactLayout {
   picture::GridShape shape;         ///< rows and columns of pictures
 };
 
-/// If pictures come in series of `series` (which differ only in the last parameter; 1: no
-/// series), rows end with series: equal values are in one column. The page has about as many
-/// rows as columns. If there are more than kMaxContacts pictures, series and pictures in
-/// each are sampled evenly, including the first and the last. count: a multiple of series, >
-/// 0.
+/// If pictures come in series of `series` (which differ only in the last parameter; 1: no series),
+/// rows end with series: equal values are in one column. The page has about as many rows as
+/// columns. If there are more than kMaxContacts pictures, series and pictures in each are sampled
+/// evenly, including the first and the last. count: a multiple of series, > 0.
 ContactLayout layOutContacts(std::size_t count, std::size_t series);
 
 /// Pictures of end states with their parameters, each with its own scale; only the parameters for
@@ -172,10 +171,9 @@ picture::Frame composeContactSheet(const std::vector<std::string>& keys,
 //
 // Digits are chosen for all captions of a page together, so a parameter has one format.
 
-/// One caption per run, in their order: the names of the parameters and the run's values,
-/// "spring stiffness 12.7, rows 4". Fractions have three significant digits, or more if
-/// values of a parameter would otherwise be equal. `runs` has one value for each key in each
-/// row.
+/// One caption per run, in their order: the names of the parameters and the run's values, "spring
+/// stiffness 12.7, rows 4". Fractions have three significant digits, or more if values of a
+/// parameter would otherwise be equal. `runs` has one value for each key in each row.
 std::vector<std::string> captionsOf(const std::vector<std::string>& keys,
                                     const std::vector<std::vector<std::string>>& runs);
 

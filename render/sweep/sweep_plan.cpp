@@ -324,8 +324,8 @@ void readLatinHypercube(const scene::TomlEntry& entry, Sweep& sweep) {
       const auto end = [&](double share) {
         return SweepValue{table.range.at(share), false, key.value.where};
       };
-      // requireValid() checks both ends before the first run. Values between them are assumed to
-      // be valid too.
+      // requireValid() checks both ends before the first run. Values between them are assumed to be
+      // valid too.
       sweep.axes.push_back({key.key, key.where, {end(0), end(1)}});
     }
   }

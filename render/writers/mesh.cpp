@@ -449,8 +449,8 @@ Json meshJson(const brick::Brick& brick, const std::string& name, Asset& asset) 
   const std::size_t positions = declareNext(kPositions, "VEC3", kGltfFloat, vertices);
   const std::size_t normals = declareNext(kNormals, "VEC3", kGltfFloat, vertices);
   const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
-  // Indices are zero-based within the mesh.
-  // glTF requires min and max of the stored floats, not of the doubles.
+  // Indices are zero-based within the mesh. glTF requires min and max of the stored floats, not of
+  // the doubles.
   Eigen::AlignedBox3f bounds;
   std::uint32_t first = 0;
   for (const std::vector<Vector3>& face : faces) {

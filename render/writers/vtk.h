@@ -12,9 +12,8 @@
 namespace kirireel::writers {
 
 /// The text of an unstructured grid (.vtu). Each brick is one solid cell: a wedge for three
-/// vertices, a hexahedron for four, else a polyhedron. A concave brick has one wedge for
-/// each of its triangles. Lengths in `unit`, bitwise exact; arrays are compressed by zlib.
-/// Fields:
+/// vertices, a hexahedron for four, else a polyhedron. A concave brick has one wedge for each of
+/// its triangles. Lengths in `unit`, bitwise exact; arrays are compressed by zlib. Fields:
 /// - of cells: `tile` (its number), `joint_gap` (the largest at the tile), `turn` (the angle from
 ///   the start, radians);
 /// - of points: `displacement` from the start and, with a target, `target_distance` (of the tile's

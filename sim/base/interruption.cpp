@@ -1,7 +1,6 @@
-// Checks for interruption, cheap enough for inner loops. A check reads the kernel's coarse clock
-// in shared memory. It calls the scopes only if 10 ms have passed since the last call on this
-// thread. Scopes and their times are thread-local. A worker thread gets its checks from
-// presentChecks().
+// Checks for interruption, cheap enough for inner loops. A check reads the kernel's coarse clock in
+// shared memory. It calls the scopes only if 10 ms have passed since the last call on this thread.
+// Scopes and their times are thread-local. A worker thread gets its checks from presentChecks().
 #include "sim/base/interruption.h"
 
 #include <ctime>

@@ -22,8 +22,8 @@ concept HasState = requires(Value& value, StateTape& tape) {
   value.transfer(tape);
 };
 
-/// Records a state, or plays it back: a class with a state lists its parts once, for both.
-/// Structs that describe their fields (base/fields.h) are passed field by field.
+/// Records a state, or plays it back: a class with a state lists its parts once, for both. Structs
+/// that describe their fields (base/fields.h) are passed field by field.
 ///
 ///     void Clock::transfer(StateTape& tape) { tape.transfer(hours_, minutes_); }
 ///

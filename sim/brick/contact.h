@@ -18,8 +18,8 @@ namespace kirireel::brick {
 /// Force and torque on one brick about its centre of mass, world axes, with their derivatives:
 ///   load(q + dq, u) = force - stiffness dq - damping u,
 /// where dq and u stack a translation and a rotation vector. Stiffness and damping are symmetric
-/// and positive semidefinite, which keeps implicit steps stable.
-/// Loads of several sources add up, field by field.
+/// and positive semidefinite, which keeps implicit steps stable. Loads of several sources add up,
+/// field by field.
 struct Load {
   Vector6 force = Vector6::Zero();      ///< (N, N m) at zero velocity
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, semidefinite part

@@ -155,11 +155,10 @@ struct Ligament {
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament);
 
-/// The energy of a ligament with normal z, and its derivatives by the positions of both
-/// centres of mass and the turns of both bricks since the start. `armA`, `armB`: from the
-/// centres to the ligament's points, rotated with the bricks; world axes. `between`: from
-/// the centre of brick A to that of B, metres. The Hessian is symmetric but can be
-/// indefinite.
+/// The energy of a ligament with normal z, and its derivatives by the positions of both centres of
+/// mass and the turns of both bricks since the start. `armA`, `armB`: from the centres to the
+/// ligament's points, rotated with the bricks; world axes. `between`: from the centre of brick A to
+/// that of B, metres. The Hessian is symmetric but can be indefinite.
 PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
                             const Vector3& armB, double turnA, double turnB);
 

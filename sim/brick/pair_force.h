@@ -143,9 +143,8 @@ class PairForce {
   virtual PairEnergy derivatives(std::size_t pair, const Poses& poses) const = 0;
   /// The joint that the pair replaces; kNoJoint if it replaces none.
   virtual int joint(std::size_t /*pair*/) const { return kNoJoint; }
-  /// Adds the force and torque of all pairs on each brick about its centre of mass (N, N m) at
-  /// this motion of the bricks, dashpots included. Without dashpots it follows from the
-  /// derivatives.
+  /// Adds the force and torque of all pairs on each brick about its centre of mass (N, N m) at this
+  /// motion of the bricks, dashpots included. Without dashpots it follows from the derivatives.
   virtual void addForces(const Motion& motion, std::vector<Vector6>& forces) const;
   /// The bricks of the first pair whose energy is not continuous between these poses, for example
   /// because an angle is known only within some turns. Empty if there is none.

@@ -684,8 +684,8 @@ constexpr double kWorsening = 0.1;
 constexpr double kWorst = 7;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
-// Planes are equally good if their separations differ by less than this fraction of the
-// tolerance and their normals agree to this cosine.
+// Planes are equally good if their separations differ by less than this fraction of the tolerance
+// and their normals agree to this cosine.
 constexpr double kEqual = 1e-3;
 constexpr double kNearDirection = 0.9;
 

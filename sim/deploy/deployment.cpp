@@ -237,8 +237,8 @@ void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result)
       model::lengthInTiles(grown, scene.model)));
 }
 
-/// Factor on the tolerance in the run that measures the error in time. Coarse steps end at
-/// samples, so a tenth of the tolerance can give the same steps and no difference.
+/// Factor on the tolerance in the run that measures the error in time. Coarse steps end at samples,
+/// so a tenth of the tolerance can give the same steps and no difference.
 constexpr double kFinerShare = 0.01;
 /// Factor on the timestep of this run if the first one missed its tolerance: steps of first order
 /// have an error that depends on the timestep only.

@@ -10,8 +10,8 @@ class BrickWorld {
  public:
   virtual ~BrickWorld() = default;
 
-  /// Adds a force at the centre of mass and a torque, world axes, for the next step only.
-  /// Newtons and newton metres. Loads of several calls for one brick add up.
+  /// Adds a force at the centre of mass and a torque, world axes, for the next step only. Newtons
+  /// and newton metres. Loads of several calls for one brick add up.
   virtual void applyLoad(int brick, const Vector3& force, const Vector3& torque) = 0;
 
   /// Advances by exactly `step` seconds, one internal step. `step` is positive.

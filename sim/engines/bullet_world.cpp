@@ -3,8 +3,8 @@
 // Bullet advances velocities by the loads, solves joints and contacts together on velocities by one
 // of three methods, and moves the bodies by semi-implicit Euler. A joint's gap c is fed back as a
 // velocity of erp c / h (Baumgarte's stabilisation: J. Baumgarte, Stabilization of constraints and
-// integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972): gaps
-// shrink over many steps and never vanish.
+// integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972): gaps shrink
+// over many steps and never vanish.
 //
 // Three things differ from Bullet's defaults. Shapes are shrunk: shape and margin together are the
 // brick (bullet_world.h). Friction coefficients belong to pairs, while Bullet multiplies those of
@@ -287,8 +287,7 @@ std::string bulletVersion() {
 // ------------------------------------------------------------------------------------------------
 // Bullet's world of multibodies as a baseline, without collisions. Each brick is a base without
 // links, so joint coordinates bring no advantage. The baseline exists because PyBullet, and so
-// PyKirigami, uses this world. Projected Gauss-Seidel sweeps over all point joints hold the
-// joints.
+// PyKirigami, uses this world. Projected Gauss-Seidel sweeps over all point joints hold the joints.
 
 namespace {
 

@@ -60,8 +60,8 @@ class BulletWorld : public BrickWorld {
 std::string bulletVersion();
 
 // ------------------------------------------------------------------------------------------------
-// Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. No Bullet
-// header is needed to use it.
+// Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. No Bullet header
+// is needed to use it.
 
 /// A btMultiBodyDynamicsWorld in double precision. Each brick is a multibody without links, each
 /// pivot a point joint. There are no collisions.

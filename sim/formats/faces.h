@@ -41,9 +41,9 @@ FacePairs coplanarFaces(const CornerNumbers& faces,
 std::vector<int> numbersByPlace(const std::vector<Vector3>& points);
 
 /// The faces that the edges of a flat drawing enclose, anticlockwise seen from above. Vertices at
-/// one position are one. A region that boundary edges (B) separate from the sheet is a hole.
-/// Throws InputError that names the file if the drawing is not flat, if edges cross without a
-/// vertex, if they enclose no face, and if a face has a separate drawing inside.
+/// one position are one. A region that boundary edges (B) separate from the sheet is a hole. Throws
+/// InputError that names the file if the drawing is not flat, if edges cross without a vertex, if
+/// they enclose no face, and if a face has a separate drawing inside.
 CornerNumbers planarFaces(const std::vector<Vector3>& points,
                           const std::vector<model::Crease>& edges,
                           const std::filesystem::path& file);

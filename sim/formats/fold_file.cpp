@@ -1410,8 +1410,8 @@ void writeFold(const model::Model& model, const fs::path& file) {
 //    n' of both faces. atan2 is accurate near 0 and near 180 degrees, unlike an arc cosine, which
 //    loses half of the digits.
 //
-// Source: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
-// structures, Fall Workshop on Computational Geometry, 2016.
+// Source: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded structures,
+// Fall Workshop on Computational Geometry, 2016.
 
 namespace {
 

@@ -34,8 +34,8 @@ struct JointTable {
 /// joint that does not exist, and for a second neck of one joint.
 void setNeck(int joint, const model::Neck& neck, const FileLocation& location, JointTable& table);
 
-/// Whether all tiles and vertices of the rows exist after adding `shift` to their numbers.
-/// `shift` applies to tile and vertex numbers. Costs O(rows).
+/// Whether all tiles and vertices of the rows exist after adding `shift` to their numbers. `shift`
+/// applies to tile and vertex numbers. Costs O(rows).
 bool namesExistingCorners(const JointTable& table, const std::vector<model::Tile>& tiles,
                           int shift);
 

@@ -17,8 +17,8 @@ enum class FaceRule {
                ///< about this direction is positive
 };
 
-/// Replaces the faces of all pivots of the model. Links and fixed joints stay unchanged.
-/// Costs O(joints). Tiles must have an area.
+/// Replaces the faces of all pivots of the model. Links and fixed joints stay unchanged. Costs
+/// O(joints). Tiles must have an area.
 void chooseJointFaces(model::Model& model, FaceRule rule);
 
 }  // namespace kirireel::formats

@@ -421,11 +421,10 @@ void writeObjPair(const model::Model& inOrder, const fs::path& file) {
 // ------------------------------------------------------------------------------------------------
 // PLY meshes, in the three encodings of the format.
 //
-// A file has a text header and data. The header lists elements (their count and the properties
-// of each). The data are the elements' values in sequence, as words (ASCII) or as bytes with
-// the widths in the header. Only vertices (x, y, z) and faces (vertex_indices or vertex_index)
-// are kept. Everything else is also read, because only its width shows where the next value
-// begins.
+// A file has a text header and data. The header lists elements (their count and the properties of
+// each). The data are the elements' values in sequence, as words (ASCII) or as bytes with the
+// widths in the header. Only vertices (x, y, z) and faces (vertex_indices or vertex_index) are
+// kept. Everything else is also read, because only its width shows where the next value begins.
 //
 // Shifts combine the bytes, so the machine's byte order does not matter. Counts in the header are
 // not trusted: no memory is reserved for them, a list may not be longer than the file, and reading

@@ -26,10 +26,10 @@ inline constexpr const char* kModelForms =
 /// NAME.obj. Absent if there is no such file.
 std::optional<std::filesystem::path> deployedSibling(const std::filesystem::path& contracted);
 
-/// Reads a sheet from its state at the start and optionally at the target. Faces are tiles.
-/// Vertex numbers that faces share are joints, see meshNumbers(). Comments "# joint A a B b FACE"
-/// and "# pull TILE", written by writeObjPair, replace this rule. Groups and materials name tiles.
-/// Other statements about appearance (vt, vn, s, mtllib) are ignored.
+/// Reads a sheet from its state at the start and optionally at the target. Faces are tiles. Vertex
+/// numbers that faces share are joints, see meshNumbers(). Comments "# joint A a B b FACE" and "#
+/// pull TILE", written by writeObjPair, replace this rule. Groups and materials name tiles. Other
+/// statements about appearance (vt, vn, s, mtllib) are ignored.
 ///
 /// Throws InputError with file and line for invalid numbers, faces and tiles, and for states with
 /// different faces. Adds warnings for harmless faults, and for the number of ignored statements
@@ -109,11 +109,10 @@ std::string fileNames(const std::vector<std::filesystem::path>& files);
 /// face.
 bool holdsPlanarModel(const std::filesystem::path& vertices);
 
-/// Reads a planar model, given any of its files. The file of vertices has one tile per line,
-/// "x y" for each vertex, in either orientation. A list of joints has "tile vertex tile
-/// vertex" per line, one-based. A hull has "tile vertex" per line, zero-based. Vertices that
-/// coincide within the precision of the file's digits become joints on both faces. Others
-/// become links.
+/// Reads a planar model, given any of its files. The file of vertices has one tile per line, "x y"
+/// for each vertex, in either orientation. A list of joints has "tile vertex tile vertex" per line,
+/// one-based. A hull has "tile vertex" per line, zero-based. Vertices that coincide within the
+/// precision of the file's digits become joints on both faces. Others become links.
 ///
 /// Throws InputError with file and line for invalid numbers and tiles that cannot be bricks.
 model::Model readPlanarFiles(const std::filesystem::path& named, const ReadSettings& settings,
@@ -219,10 +218,9 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
                                                    const std::optional<Vector3>& normal,
                                                    const std::filesystem::path& file);
 
-/// The edges of all faces, each once: boundary edges of one face, else mountain, valley or
-/// flat, with the fold angle in `state`, the folded faces. Edges are in the order of their
-/// vertex numbers. If more than two faces share an edge, the angle is that between the first
-/// two.
+/// The edges of all faces, each once: boundary edges of one face, else mountain, valley or flat,
+/// with the fold angle in `state`, the folded faces. Edges are in the order of their vertex
+/// numbers. If more than two faces share an edge, the angle is that between the first two.
 std::vector<model::Crease> creasesOf(const CornerNumbers& faces,
                                      const std::vector<model::Tile>& state);
 

@@ -1,9 +1,9 @@
 // Selects a reader for a path, and completes the model in the same manner for all readers.
 //
-// The ending of a name decides, in upper or lower case. Two cases need the contents:
-// vertices.txt can hold planar or spatial points, and a path can be a folder of either kind. After
-// reading, the last digit of the coordinates is found for later tolerances, strict reading refuses
-// repairs, and the target of another model replaces the model's own.
+// The ending of a name decides, in upper or lower case. Two cases need the contents: vertices.txt
+// can hold planar or spatial points, and a path can be a folder of either kind. After reading, the
+// last digit of the coordinates is found for later tolerances, strict reading refuses repairs, and
+// the target of another model replaces the model's own.
 #include "sim/formats/read_model.h"
 
 #include <algorithm>

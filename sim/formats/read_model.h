@@ -16,8 +16,8 @@ namespace kirireel::formats {
 /// .obj with its NAME_deployed.obj sibling as target, or any file of a planar model. `target` is
 /// another model in any format. Its start becomes the target.
 ///
-/// Unusual but unambiguous input is repaired (see repairs.h) unless the settings are strict.
-/// The model lists each repair, and warnings get a line for it. Other harmless faults also become
+/// Unusual but unambiguous input is repaired (see repairs.h) unless the settings are strict. The
+/// model lists each repair, and warnings get a line for it. Other harmless faults also become
 /// warnings. All other faults throw InputError.
 model::Model readModel(const std::filesystem::path& path,
                        const std::optional<std::filesystem::path>& target,

@@ -1,8 +1,7 @@
 // Repairs of unusual but unambiguous input.
 //
-// A repair requires that no other reading of the file makes sense. The program reports its
-// place, and `--strict` refuses it. A repair is a `Repair` of the model and one line among the
-// warnings.
+// A repair requires that no other reading of the file makes sense. The program reports its place,
+// and `--strict` refuses it. A repair is a `Repair` of the model and one line among the warnings.
 #include "sim/formats/repairs.h"
 
 #include <algorithm>

@@ -1,12 +1,11 @@
 // Corners at the same point, by vertex number or by position.
 //
-// By position: corners coincide if their distance is within the tolerance in every state. A grid
-// of cubic cells has the tolerance as cell width and stores one corner for each distinct position.
-// A new corner is compared with the corners in its own cell and the 26 cells around it, which
-// contain all corners within the tolerance. n corners therefore cost O(n), not O(n^2). Coinciding
-// corners are merged in a disjoint-set forest. Coincidence within a tolerance is not transitive: a
-// chain of close positions becomes one vertex. The file is refused if this merges two corners of
-// one tile.
+// By position: corners coincide if their distance is within the tolerance in every state. A grid of
+// cubic cells has the tolerance as cell width and stores one corner for each distinct position. A
+// new corner is compared with the corners in its own cell and the 26 cells around it, which contain
+// all corners within the tolerance. n corners therefore cost O(n), not O(n^2). Coinciding corners
+// are merged in a disjoint-set forest. Coincidence within a tolerance is not transitive: a chain of
+// close positions becomes one vertex. The file is refused if this merges two corners of one tile.
 #include "sim/formats/shared_corners.h"
 
 #include <algorithm>

@@ -25,9 +25,8 @@ struct TextLine {
   std::vector<TextField> fields;  ///< at least 1
 };
 
-/// A text file in memory, read line by line. Ignores blank lines and, by default, text after
-/// '#', '%' or "//". Accepts line ends of any system, a byte-order mark, and commas between
-/// numbers.
+/// A text file in memory, read line by line. Ignores blank lines and, by default, text after '#',
+/// '%' or "//". Accepts line ends of any system, a byte-order mark, and commas between numbers.
 class TextTable {
  public:
   /// Maximum number of fields on a line: a tile of 300 vertices.

@@ -91,10 +91,10 @@ TurningField regularField(const Lattice& lattice, Complex along, Complex up) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Tessellations of equal parallelograms, from the exact motion of their lattice (lattice.h).
-// The constants are those of regularField(): sides of `length` along x and of `width` at `skew`
-// from the y axis. Both states use the same constants, so start and target are congruent to
-// rounding, and no solver is needed.
+// Tessellations of equal parallelograms, from the exact motion of their lattice (lattice.h). The
+// constants are those of regularField(): sides of `length` along x and of `width` at `skew` from
+// the y axis. Both states use the same constants, so start and target are congruent to rounding,
+// and no solver is needed.
 
 namespace {
 

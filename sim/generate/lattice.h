@@ -92,8 +92,8 @@ class TurningField {
   std::vector<Complex> constants_;
 };
 
-/// The field of equal parallelograms with the given sides, centred on the sheet's middle.
-/// `along` and `up` are the sides as complex numbers x + i y, metres, not parallel.
+/// The field of equal parallelograms with the given sides, centred on the sheet's middle. `along`
+/// and `up` are the sides as complex numbers x + i y, metres, not parallel.
 TurningField regularField(const Lattice& lattice, Complex along, Complex up);
 
 // ------------------------------------------------------------------------------------------------

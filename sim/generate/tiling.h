@@ -33,15 +33,14 @@ Tiling ammannBeenkerTiling(int tiles);
 /// 1986).
 Tiling stampfliTiling(int tiles);
 
-/// Links the tiles to one closed chain that visits each tile once. Joints alternate between the
-/// two ends of the crossed edges. Tiles with one neighbour are omitted. Throws InputError if no
-/// such chain was found. The search is deterministic: it has a fixed seed and a fixed number of
-/// tries.
+/// Links the tiles to one closed chain that visits each tile once. Joints alternate between the two
+/// ends of the crossed edges. Tiles with one neighbour are omitted. Throws InputError if no such
+/// chain was found. The search is deterministic: it has a fixed seed and a fixed number of tries.
 model::Model makeChain(const Tiling& tiling);
 
-/// The largest connected part of the tiling without its narrow rhombi. Tiles with a common edge
-/// are joined at its clockwise end, seen from the centre. Parts that touch only at a vertex are
-/// linked there. Throws InputError if all tiles are narrow.
+/// The largest connected part of the tiling without its narrow rhombi. Tiles with a common edge are
+/// joined at its clockwise end, seen from the centre. Parts that touch only at a vertex are linked
+/// there. Throws InputError if all tiles are narrow.
 model::Model makeThinned(const Tiling& tiling);
 
 /// The tiling's tiles and its grids' cells. Each corner of a tile is joined to a corner of its

@@ -31,11 +31,10 @@ struct Elimination {
   std::vector<Supernode> supernodes;  ///< children before their parents
 };
 
-/// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given
-/// off-diagonal pairs (any order, duplicates allowed): minimum-degree ordering, postordered
-/// elimination tree, supernodes merged if that adds few zeros. Nodes may be unconnected: the
-/// plan is then a forest. May throw Interrupted. The same graph gives the same plan on every
-/// machine.
+/// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given off-diagonal
+/// pairs (any order, duplicates allowed): minimum-degree ordering, postordered elimination tree,
+/// supernodes merged if that adds few zeros. Nodes may be unconnected: the plan is then a forest.
+/// May throw Interrupted. The same graph gives the same plan on every machine.
 Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>>& edges);
 
 // ------------------------------------------------------------------------------------------------

@@ -17,9 +17,8 @@ inline constexpr int kRowsTogether = 4;
 /// an update.
 struct DenseKernels {
   /// Factors the pivot block in place, divides the rows below by it, and subtracts their product
-  /// from `update` (lower triangle, square, rows - columns wide, its columns padded). The
-  /// diagonal of the factor stores reciprocals. Returns false if the pivot block is not positive
-  /// definite.
+  /// from `update` (lower triangle, square, rows - columns wide, its columns padded). The diagonal
+  /// of the factor stores reciprocals. Returns false if the pivot block is not positive definite.
   bool (*eliminate)(double* panel, int rows, int columns, double* update);
 
   /// For x with one value per row and zeros as padding: top = L^-1 top. Subtracts (rows below) *

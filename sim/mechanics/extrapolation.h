@@ -49,14 +49,14 @@ class Extrapolation {
   Extrapolation(const std::vector<brick::Brick>& bricks, JointSolver& solver,
                 const ExtrapolationSettings& settings);
 
-  /// Takes one step of at most `seconds`, whose length divides `seconds` evenly. Joints
-  /// must be exact, and closed at the start. They are closed to rounding at the end.
-  /// Returns the length of the step, seconds. Returns nothing, with an unchanged motion, if
-  /// `mayTake` refuses the step or if no step above the minimum length keeps the tolerance,
-  /// as in states with singular joints. Tolerances below 1e-6 may be less than rounding errors:
-  /// then the step keeps the smallest multiple by a power of ten that it can, see
-  /// StepReport::rounding. `mayTake` may be empty. Costs 1 + 2 + ... + k Euler steps for a step of
-  /// k rows, each with one factorisation, and one closing of the joints.
+  /// Takes one step of at most `seconds`, whose length divides `seconds` evenly. Joints must be
+  /// exact, and closed at the start. They are closed to rounding at the end. Returns the length of
+  /// the step, seconds. Returns nothing, with an unchanged motion, if `mayTake` refuses the step or
+  /// if no step above the minimum length keeps the tolerance, as in states with singular joints.
+  /// Tolerances below 1e-6 may be less than rounding errors: then the step keeps the smallest
+  /// multiple by a power of ten that it can, see StepReport::rounding. `mayTake` may be empty.
+  /// Costs 1 + 2 + ... + k Euler steps for a step of k rows, each with one factorisation, and one
+  /// closing of the joints.
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
                              const StepFilter& mayTake, StepReport& report);
 

@@ -209,8 +209,7 @@ class Reactor final : public ReactionSolver {
   }
 
   // The forces of exact joints, one row per joint direction. `imbalance`: the largest residual
-  // force of joints and applied forces on any brick, newtons. Infinity if H could not be
-  // factored.
+  // force of joints and applied forces on any brick, newtons. Infinity if H could not be factored.
   Vector exactForces(std::span<const Vector6> applied, double& imbalance) {
     if (!system_.factor({})) {
       imbalance = std::numeric_limits<double>::infinity();

@@ -173,8 +173,8 @@ namespace {
 // Weight of the joint rows in H, relative to the mean of A's translational part: 1e6 stalls near
 // singular states, 1e8 leaves gaps on large models, and rounding errors are visible from 1e12 on.
 constexpr double kJointWeight = 1e10;
-// The contact rows' weight is far smaller: Newton's line search can step over the kinks of
-// many contacts at once; their multipliers do the rest in two or three rounds.
+// The contact rows' weight is far smaller: Newton's line search can step over the kinks of many
+// contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
 // A smaller sine of directions between pivots of a joint is rounding.
 constexpr double kSamePoint = 1e-9;

@@ -155,8 +155,8 @@ struct Coordinates {
 };
 
 // ------------------------------------------------------------------------------------------------
-// The contacts of one step as rows of the step's system: normal rows that may only push,
-// tangential rows that slip beyond Coulomb's bound.
+// The contacts of one step as rows of the step's system: normal rows that may only push, tangential
+// rows that slip beyond Coulomb's bound.
 
 /// One point contact, or one support of a planar scene, in D degrees of freedom per brick.
 ///

@@ -44,8 +44,8 @@ std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corner
 std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
                                             const Vector3& normal);
 
-/// The convex parts of a simple polygon. A convex polygon gives one part with all corners.
-/// Each remaining diagonal is a side of two parts, in opposite directions.
+/// The convex parts of a simple polygon. A convex polygon gives one part with all corners. Each
+/// remaining diagonal is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
 /// The corners of the convex hull of points in the plane, anticlockwise, without corners that are
@@ -62,11 +62,10 @@ std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points,
 std::vector<std::array<int, 3>> tileTriangles(const Tile& tile);
 
 /// The model with these tiles (numbers of its file; empty: all) split into triangles as in
-/// tileTriangles(). Triangles stay whole. Parts are joined at both ends of a common diagonal on
-/// the bottom face, which is a hinge. The first part keeps the tile's number, the others follow
-/// after the last tile. Joints hold the first part with their corner. Targets are split in the
-/// same manner. All parts of a pulled tile are pulled. Throws InputError for a tile that does not
-/// exist.
+/// tileTriangles(). Triangles stay whole. Parts are joined at both ends of a common diagonal on the
+/// bottom face, which is a hinge. The first part keeps the tile's number, the others follow after
+/// the last tile. Joints hold the first part with their corner. Targets are split in the same
+/// manner. All parts of a pulled tile are pulled. Throws InputError for a tile that does not exist.
 Model splitTiles(const Model& model, const std::vector<int>& tiles);
 
 }  // namespace kirireel::model

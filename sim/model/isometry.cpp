@@ -2,9 +2,8 @@
 //
 // The fit minimises over rotations R and translations t
 //   E(R, t) = sum over i of w_i |R a_i + t - b_i|^2
-// for points a_i (from) and b_i (to), in metres, and dimensionless weights w_i. For any R the
-// best t maps the weighted mean of the a_i to that of the b_i. It remains to maximise trace(R C)
-// with
+// for points a_i (from) and b_i (to), in metres, and dimensionless weights w_i. For any R the best
+// t maps the weighted mean of the a_i to that of the b_i. It remains to maximise trace(R C) with
 //   C = sum over i of w_i (a_i - mean a)(b_i - mean b)^T          3 x 3, m^2
 // In space: C = U S V^T (singular values) gives R = V diag(1, 1, d) U^T. d = det(V U^T) = +-1 makes
 // R a rotation, never a reflection. Coplanar points have a singular value 0, so d costs nothing

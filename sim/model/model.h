@@ -27,8 +27,8 @@ struct Tile {
   }
 };
 
-/// The face of its two bricks that a joint lies on; values as in column 5 of constraints.txt.
-/// Both faces at one corner make a hinge along the corner's edge through the thickness.
+/// The face of its two bricks that a joint lies on; values as in column 5 of constraints.txt. Both
+/// faces at one corner make a hinge along the corner's edge through the thickness.
 enum class JointFace { Bottom = 1, Top = 2, Both = 3 };
 
 /// One corner of one tile.
@@ -210,9 +210,8 @@ Joint toKind(JointKind kind, const Joint& pivot, const std::vector<Tile>& tiles)
 /// The name of a joint's kind, one of kJointKinds.
 const char* kindName(const Joint& joint);
 
-/// The unit normal of a tile by Newell's method. A brick is its tile thickened along this
-/// normal. Undefined for a tile without area. Works for concave tiles and for slightly
-/// non-planar tiles.
+/// The unit normal of a tile by Newell's method. A brick is its tile thickened along this normal.
+/// Undefined for a tile without area. Works for concave tiles and for slightly non-planar tiles.
 Vector3 tileNormal(const Tile& tile);
 
 /// Area of a tile, square metres, >= 0. Works for concave tiles.

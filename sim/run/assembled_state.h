@@ -59,15 +59,14 @@ struct AssembledState {
   Poses restPoses;        ///< the spring equilibrium near the target, one pose per tile
 };
 
-/// Finds joint-closed states near the target. First fits every tile to its target and closes
-/// the joints. The scene's springs then pull the exact joints to equilibrium, a local minimum
-/// of the sum of squares. Then Lawson's weights (see measures.cpp) increase for distant bricks
-/// and decrease for near ones, which approaches the smallest maximum error. If an error
-/// remains, the springs also pull from the start. The result is the best state found,
-/// including the start. Both errors are zero if the target's own joints are closed. If the
-/// coordinates were rounded, joints close only within the rounding, see above. Contacts,
-/// ground and gravity are ignored. Ends early if `shouldContinue` returns false; it may be
-/// empty.
+/// Finds joint-closed states near the target. First fits every tile to its target and closes the
+/// joints. The scene's springs then pull the exact joints to equilibrium, a local minimum of the
+/// sum of squares. Then Lawson's weights (see measures.cpp) increase for distant bricks and
+/// decrease for near ones, which approaches the smallest maximum error. If an error remains, the
+/// springs also pull from the start. The result is the best state found, including the start. Both
+/// errors are zero if the target's own joints are closed. If the coordinates were rounded, joints
+/// close only within the rounding, see above. Contacts, ground and gravity are ignored. Ends early
+/// if `shouldContinue` returns false; it may be empty.
 AssembledState assembleAtTarget(const scene::Scene& scene,
                                 const std::function<bool()>& shouldContinue = {});
 
@@ -87,9 +86,8 @@ struct BlockingPair {
 };
 
 /// The pairs that block a scene, the deepest overlap first. Empty without contacts or a target.
-/// `atTarget` is the equilibrium state, see assembleAtTarget(). Overlaps below 1e-4 of a tile
-/// and overlaps that the contacts ignore (excluded pairs, the corners at shared pivots) do not
-/// count.
+/// `atTarget` is the equilibrium state, see assembleAtTarget(). Overlaps below 1e-4 of a tile and
+/// overlaps that the contacts ignore (excluded pairs, the corners at shared pivots) do not count.
 std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget);
 
 /// For example "tiles 3 and 4 by 0.012 mm (free with joints on the top)". `countsFrom`: the first

@@ -103,9 +103,8 @@ struct PointSpring {
   double damping = 0;                ///< N s/m of the point's velocity, >= 0
 };
 
-/// Adds the spring's force and its torque about the centre of mass to the brick's load. The
-/// damper is part of the load's damping matrix. The load's force is the force at zero
-/// velocity.
+/// Adds the spring's force and its torque about the centre of mass to the brick's load. The damper
+/// is part of the load's damping matrix. The load's force is the force at zero velocity.
 void addPointSpring(const PointSpring& spring, const Pose& pose, brick::Load& load);
 
 /// Energy stored in the spring, joules.

@@ -90,8 +90,7 @@ class Playback {
     }
   }
 
-  // The observer may end the playback here. Further samples of the same step are then
-  // omitted.
+  // The observer may end the playback here. Further samples of the same step are then omitted.
   void takeSample(double time, Poses poses) {
     ++samples_;
     lastTime_ = time;
@@ -172,8 +171,7 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   return words;
 }
 
-/// Open joints of the start are closed even if bricks then overlap. Adds a warning in this
-/// case.
+/// Open joints of the start are closed even if bricks then overlap. Adds a warning in this case.
 void addPushedWarning(const scene::Scene& scene, const Poses& closed, DeploymentResult& result) {
   if (scene.environment.contacts == scene::ContactFilter::None) return;
   const double tile = model::tileSize(scene.model);

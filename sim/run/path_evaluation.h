@@ -1,5 +1,4 @@
-/// Figures of a path. The selection of a path, its description and summary.json use these
-/// figures.
+/// Figures of a path. The selection of a path, its description and summary.json use these figures.
 #pragma once
 
 #include <string>

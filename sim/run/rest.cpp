@@ -1,7 +1,6 @@
-// Rest. A run rests while its fastest corner is slower than the settle speed, or while all
-// steps fail and no brick moves. The rest time follows from the motion, not from the ends of
-// steps: the time at which the fastest speed falls below the limit is computed within the
-// step.
+// Rest. A run rests while its fastest corner is slower than the settle speed, or while all steps
+// fail and no brick moves. The rest time follows from the motion, not from the ends of steps: the
+// time at which the fastest speed falls below the limit is computed within the step.
 //
 // The second part distinguishes rest from slow motion. The third part gives perturbations that
 // leave an equilibrium.

@@ -109,8 +109,7 @@ void Run::start() {
   recorder_.begin(drive_.jointsAreCompliant());
 }
 
-// After an interrupted step the solver's state is invalid. The last checkpoint is therefore
-// kept.
+// After an interrupted step the solver's state is invalid. The last checkpoint is therefore kept.
 void Run::advanceToEnd() {
   try {
     const InterruptionCatcher catcher;

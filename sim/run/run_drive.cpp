@@ -144,8 +144,7 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
       opening_(bricks.bricks, model::piecesOf(bricks.scene.model), bricks.scene.springs) {}
 
-// Compliant joints close after the tiles were guided. On a straight path they stay
-// compliant.
+// Compliant joints close after the tiles were guided. On a straight path they stay compliant.
 bool RunDrive::jointsAreCompliant() const {
   if (bricks_.ties.pairForces.replaceJoints()) return true;
   const scene::PathSettings& path = bricks_.scene.path;
@@ -204,8 +203,7 @@ const DriveForce* RunDrive::presentDrive() const {
   return phase_ == Phase::Open ? &opening_ : drive_.get();
 }
 
-// The springs of the guide while tiles are guided, else those to the target. Null without a
-// pull.
+// The springs of the guide while tiles are guided, else those to the target. Null without a pull.
 const TargetSprings* RunDrive::presentSprings() const {
   if (follower_) return &follower_->springs();
   return springs_ ? &*springs_ : nullptr;

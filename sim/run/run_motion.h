@@ -41,8 +41,8 @@ struct SceneBricks {
 // Time steps.
 
 /// The time of a run, with checks at equal intervals: one timestep, or several if steps keep a
-/// tolerance in time. A step ends at the next check or a due time. Checks are counted: times do
-/// not accumulate rounding errors.
+/// tolerance in time. A step ends at the next check or a due time. Checks are counted: times do not
+/// accumulate rounding errors.
 class StepClock {
  public:
   /// `checkInterval`: seconds, > 0.
@@ -180,8 +180,7 @@ class RunMotion {
 // ------------------------------------------------------------------------------------------------
 // Exactness of the joints.
 
-/// Whether the joints of a run's tiles can be closed. If so, they are held exactly from then
-/// on.
+/// Whether the joints of a run's tiles can be closed. If so, they are held exactly from then on.
 class JointFit {
  public:
   /// Keeps a reference to `bricks`.

@@ -120,8 +120,7 @@ void RunRecorder::transferAsOfSample(StateTape& tape) {
   tape.transfer(clock_, sampleCount_, lastSampleTime_, figures_);
 }
 
-// The states of the figures up to a sample are unknown: those of the checkpoint may be
-// later.
+// The states of the figures up to a sample are unknown: those of the checkpoint may be later.
 std::optional<trajectory::Sample> RunRecorder::showAgain(double time) {
   StateTape latest;
   transferAsOfSample(latest);

@@ -16,8 +16,7 @@
 
 namespace kirireel::run {
 
-/// Observers of a run. Either function may be empty. A function that returns false ends the
-/// run.
+/// Observers of a run. Either function may be empty. A function that returns false ends the run.
 struct RunObservers {
   /// Interval between samples, seconds; need not be a multiple of the step. Infinity: only the
   /// start and the end.

@@ -14,8 +14,7 @@ namespace kirireel::run {
 /// effort of 1.
 inline constexpr double kSearchMultiple = 150;
 
-/// Remaining work of a search. The last piece of work is not interrupted and may exceed the
-/// budget.
+/// Remaining work of a search. The last piece of work is not interrupted and may exceed the budget.
 class SearchBudget {
  public:
   /// Unlimited.

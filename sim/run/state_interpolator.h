@@ -59,8 +59,8 @@ class StateInterpolator {
 
   /// kMomentsBetween equidistant states between two states. Closes the joints only twice, at one
   /// third and two thirds, and uses the cubic through these and the two given states. Returns an
-  /// empty list if a brick rotates by more than kMaxTurnBetween between the two states: its path
-  /// is then unknown.
+  /// empty list if a brick rotates by more than kMaxTurnBetween between the two states: its path is
+  /// then unknown.
   std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
 
  private:

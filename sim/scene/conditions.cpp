@@ -45,12 +45,11 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 // [[grip]] entries of a scene file: parts of a sheet that are held, moved or pushed while the load
 // grows from 0 to 1.
 //
-// An entry is read key by key, and the combination of keys is checked afterwards. There are
-// two keys for tiles, and two optional keys for a point of them. The grip either moves
-// (lengths in the model's unit, degrees) or pushes (newtons, N m). A missing coordinate is free,
-// while a coordinate of 0 is fixed. x, y, z and turn are therefore optional values and not zeros.
-// Numbers of tiles and vertices are those of the model's file until numberAsModel() compares them
-// with the model.
+// An entry is read key by key, and the combination of keys is checked afterwards. There are two
+// keys for tiles, and two optional keys for a point of them. The grip either moves (lengths in the
+// model's unit, degrees) or pushes (newtons, N m). A missing coordinate is free, while a coordinate
+// of 0 is fixed. x, y, z and turn are therefore optional values and not zeros. Numbers of tiles and
+// vertices are those of the model's file until numberAsModel() compares them with the model.
 
 namespace {
 

@@ -115,8 +115,7 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
                                         const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------
-// The timeline: timed actions during a deployment. It replaces pinning and dragging tiles by
-// hand.
+// The timeline: timed actions during a deployment. It replaces pinning and dragging tiles by hand.
 
 /// Condition for an entry of a timeline. Entries happen in their order: each waits for all previous
 /// entries.

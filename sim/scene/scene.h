@@ -205,8 +205,7 @@ struct SolverSettings {
   /// Length of fixed steps, and of steps to a tolerance during contact or at singular joints,
   /// seconds.
   double timestep = 1.0 / 240;
-  /// Allowed error in time of one step, tiles (see Extrapolation); 0: fixed steps, of first
-  /// order.
+  /// Allowed error in time of one step, tiles (see Extrapolation); 0: fixed steps, of first order.
   double tolerance = 0;
   /// Whether a run is repeated with a hundredth of the tolerance to measure its error in time.
   bool measuresTimeError = false;

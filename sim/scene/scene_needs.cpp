@@ -1,14 +1,14 @@
 // The needs of a scene: determined only from the scene before a run, each with its reason for the
 // summary.
 //
-// *Planar* scenes have three degrees of freedom per tile instead of six. A step is then about
-// three times faster. A scene is planar if nothing can push a brick out of its plane: start and
-// all targets lie in the plane of the sheet frame (to 1e-9 of the model's size), no tile is
-// turned over, and no speed, drag, obstacle or gravity points out of the plane, unless the
-// ground balances gravity. Gravity along the plane is planar for ligaments only. *Quasi-static*
-// scenes need no dynamics: geometry determines the path of the sheet, and its mechanism can be
-// followed without masses and time. All user settings in addition to the model and the output (a
-// drive, a timeline, springs, friction, ...) require dynamics.
+// *Planar* scenes have three degrees of freedom per tile instead of six. A step is then about three
+// times faster. A scene is planar if nothing can push a brick out of its plane: start and all
+// targets lie in the plane of the sheet frame (to 1e-9 of the model's size), no tile is turned
+// over, and no speed, drag, obstacle or gravity points out of the plane, unless the ground balances
+// gravity. Gravity along the plane is planar for ligaments only. *Quasi-static* scenes need no
+// dynamics: geometry determines the path of the sheet, and its mechanism can be followed without
+// masses and time. All user settings in addition to the model and the output (a drive, a timeline,
+// springs, friction, ...) require dynamics.
 #include "sim/scene/scene_needs.h"
 
 #include <algorithm>

@@ -910,8 +910,8 @@ Ties withoutPivots(const Scene& scene, const std::vector<brick::Brick>& bricks) 
   return ties;
 }
 
-/// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a force.
-/// Upper pivots are redundant in the plane and are omitted.
+/// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a force. Upper
+/// pivots are redundant in the plane and are omitted.
 void addJoints(const Scene& scene, const std::vector<brick::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
   for (const std::shared_ptr<const brick::PairForce>& force : ties.pairForces) {

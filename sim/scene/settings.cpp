@@ -1,7 +1,6 @@
 // The list of settings. Each setting is one expression: a pattern (`number`, `whole`, `choice`,
 // `flag`, or `special` with its own functions) with the member path of its field, its key, range,
-// unit and help. Conditions (`with`, `without`) and the need for dynamics (`needsDynamics`)
-// follow.
+// unit and help. Conditions (`with`, `without`) and the need for dynamics (`needsDynamics`) follow.
 //
 // Defaults come from openScene() and are not repeated. The help, the range checks and the values of
 // a scene made in code are therefore consistent.
@@ -75,9 +74,8 @@ constexpr const char* kGuided = "`path = guided`";
 constexpr const char* kOtherSprings = "springs or damping were given";
 constexpr const char* kOtherSolver = "the solver was given";
 
-/// The field of a scene with this member path. `Path` are pointers to members, applied in
-/// sequence: number<&Scene::path, &PathSettings::guideTime>(...) is the field
-/// scene.path.guideTime.
+/// The field of a scene with this member path. `Path` are pointers to members, applied in sequence:
+/// number<&Scene::path, &PathSettings::guideTime>(...) is the field scene.path.guideTime.
 template <auto... Path>
 auto& fieldOf(auto&& scene) {
   return (scene.*....*Path);

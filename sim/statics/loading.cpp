@@ -74,8 +74,7 @@ void requireHeldPieces(const scene::Scene& scene) {
 // Each message names the feature to remove.
 void requireEquilibria(const scene::Scene& scene) {
   scene::Scene bare = scene;
-  // Features that the checks below allow are removed: isQuasiStatic() then reports only the
-  // rest.
+  // Features that the checks below allow are removed: isQuasiStatic() then reports only the rest.
   bare.timeline.clear();
   bare.hinges = {};
   if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold unjoined tiles

@@ -37,8 +37,7 @@ scene::Scene sheetScene(int side, bool planar, model::JointFace face, double sta
 // because the closed motion rotates tiles only about the vertical.
 double openingAngle(const Poses& poses) {
   const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
-  // The angle of a unit quaternion, [0, pi]. It is precise for small angles; an arc cosine is
-  // not.
+  // The angle of a unit quaternion, [0, pi]. It is precise for small angles; an arc cosine is not.
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
@@ -67,8 +66,7 @@ double pathError(const SheetPath& found, const SheetPath& desired) {
   return largest;
 }
 
-// The exact sheet is moved by a rigid motion, which removes the position and rotation of the
-// sheet.
+// The exact sheet is moved by a rigid motion, which removes the position and rotation of the sheet.
 trajectory::VertexDistance sheetError(int side, double angle,
                                       const std::vector<model::Tile>& found) {
   generate::TessellationShape shape;

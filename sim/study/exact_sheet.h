@@ -10,9 +10,8 @@
 namespace kirireel::study {
 
 /// A square sheet of side x side tiles, without contacts. `startAngle`: opening at the start,
-/// radians. Joints on both faces are hinges, i.e. two point joints each for engines. On the
-/// bottom only they are one. Tiles are 1 m wide; the target is the sheet opened to 90
-/// degrees.
+/// radians. Joints on both faces are hinges, i.e. two point joints each for engines. On the bottom
+/// only they are one. Tiles are 1 m wide; the target is the sheet opened to 90 degrees.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face = model::JointFace::Both,
                         double startAngle = 0);
 

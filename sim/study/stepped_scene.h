@@ -79,8 +79,7 @@ DynamicsMaker dynamicsMaker(const Method& method);
 /// perturbation.
 class SteppedScene {
  public:
-  /// Uses the solver that the scene requests. Throws the errors of makeDynamics() and
-  /// makeBricks().
+  /// Uses the solver that the scene requests. Throws the errors of makeDynamics() and makeBricks().
   explicit SteppedScene(const scene::Scene& scene);
   /// Uses another solver. Its rate sets the timestep, or the longest step if it has a tolerance.
   SteppedScene(const scene::Scene& scene, const Method& method);

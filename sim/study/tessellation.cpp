@@ -1,6 +1,5 @@
 // The rotating squares from closed to 90 degrees, against their exact motion at the same opening
-// angle. Each row has the largest errors of all steps since the previous row: no step is
-// skipped.
+// angle. Each row has the largest errors of all steps since the previous row: no step is skipped.
 #include <cmath>
 
 #include <fmt/format.h>

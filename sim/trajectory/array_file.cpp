@@ -9,12 +9,11 @@
 // Reading. HDF5 1.10 trusts the contents of a file: lengths, links to other files, filters,
 // addresses of texts of variable length. Each claim is therefore checked before it is used. An
 // array must be in the file itself, be stored contiguously or in chunks with the three known
-// filters, claim no more entries than a file of this size can hold, and have exactly the type
-// that the writer gives it. Texts have a fixed length, that of the longest of their array.
+// filters, claim no more entries than a file of this size can hold, and have exactly the type that
+// the writer gives it. Texts have a fixed length, that of the longest of their array.
 //
-// HDF5 reports failures through return codes; `check` and `requireRead` turn them into
-// exceptions. The library is not thread-safe by default: this file refuses to compile against
-// such a build.
+// HDF5 reports failures through return codes; `check` and `requireRead` turn them into exceptions.
+// The library is not thread-safe by default: this file refuses to compile against such a build.
 #include "sim/trajectory/array_file.h"
 
 #include <algorithm>

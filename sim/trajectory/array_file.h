@@ -20,8 +20,8 @@ using Shape = std::vector<std::size_t>;
 std::size_t entryCount(const Shape& shape);
 
 /// Writes a file of arrays. Names are paths such as "model/vertices"; a group must be made before
-/// its contents. Numbers are stored as IEEE doubles or 32-bit integers, little-endian, without
-/// any time stamp: the same calls give the same bytes.
+/// its contents. Numbers are stored as IEEE doubles or 32-bit integers, little-endian, without any
+/// time stamp: the same calls give the same bytes.
 class ArrayWriter {
  public:
   /// Treatment of an existing file.
@@ -50,8 +50,7 @@ class ArrayWriter {
 
   /// Creates an array of doubles that grows along its first dimension, compressed in chunks.
   void addSeries(const std::string& name, const Shape& rowShape);
-  /// Appends rows to a series. Their count follows from the row's shape. The series must
-  /// exist.
+  /// Appends rows to a series. Their count follows from the row's shape. The series must exist.
   void append(const std::string& name, std::span<const double> rows);
 
   /// Sets an attribute of a group or an array ("/" is the file itself).

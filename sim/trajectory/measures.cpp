@@ -140,8 +140,7 @@ Prism prismOf(const brick::Brick& brick, int number) {
   return prism;
 }
 
-// All pieces of all bricks. Pieces of one brick are consecutive: PlacedPrisms::of() relies on
-// this.
+// All pieces of all bricks. Pieces of one brick are consecutive: PlacedPrisms::of() relies on this.
 std::vector<Prism> prismsOf(const std::vector<brick::Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
@@ -206,8 +205,7 @@ Projection project(const PlacedPrism& prism, const Vector3& axis) {
     interval.low = std::min(interval.low, projection);
     interval.high = std::max(interval.high, projection);
   }
-  // The top is the bottom moved by `rise`. Its projections are those of the bottom plus a
-  // constant.
+  // The top is the bottom moved by `rise`. Its projections are those of the bottom plus a constant.
   const double rise = prism.rise.dot(axis);
   return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
 }
@@ -845,12 +843,11 @@ std::vector<PenetrationDepths> PenetrationMeter::atLeastEach(const PenetrationDe
 //
 // For residuals r_k of the vertices after a rigid motion and any weights w_k >= 0 with sum 1,
 //     min over motions of max r_k  >=  sqrt(min over motions of sum w_k r_k^2),
-// since a weighted mean never exceeds the maximum. The right side is the weighted Kabsch fit,
-// whose optimum over proper motions is global. Every weighting therefore gives a valid bound of
-// the left side. Lawson's iteration searches the best weighting: w_k is multiplied by r_k, and
-// the weights are scaled to sum 1 again. Vertices with large residuals gain weight, the others
-// lose it. Both sides become equal at the minimax fit. The bound is valid wherever the iteration
-// ends.
+// since a weighted mean never exceeds the maximum. The right side is the weighted Kabsch fit, whose
+// optimum over proper motions is global. Every weighting therefore gives a valid bound of the left
+// side. Lawson's iteration searches the best weighting: w_k is multiplied by r_k, and the weights
+// are scaled to sum 1 again. Vertices with large residuals gain weight, the others lose it. Both
+// sides become equal at the minimax fit. The bound is valid wherever the iteration ends.
 //
 // C. L. Lawson, "Contributions to the theory of linear least maximum approximation", 1961; C. L.
 // Lawson and R. J. Hanson, "Solving Least Squares Problems", 1974.

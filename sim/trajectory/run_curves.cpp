@@ -440,8 +440,8 @@ std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const
 
 // ------------------------------------------------------------------------------------------------
 // Figures of single bricks. A measure that belongs to two bricks (a joint's gap, a spring's moment)
-// counts for both of them as it is; energies are shared by halves. The sum over all bricks
-// is the sum over all springs.
+// counts for both of them as it is; energies are shared by halves. The sum over all bricks is the
+// sum over all springs.
 
 std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,
                                       const std::vector<brick::Brick>& bricks, const Poses& poses) {

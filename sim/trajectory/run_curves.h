@@ -101,8 +101,7 @@ struct HullSize {
   double perimeter = 0;  ///< metres
 };
 
-/// For one or more tiles. O(n log n) in the vertices. A sheet seen from its edge has area
-/// 0.
+/// For one or more tiles. O(n log n) in the vertices. A sheet seen from its edge has area 0.
 HullSize hullSize(const std::vector<model::Tile>& tiles);
 
 /// The area that tiles cover, square metres, if all are in one horizontal plane (to 1e-6 of the
@@ -118,8 +117,8 @@ std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
                                     const std::vector<model::Tile>& now);
 
 /// For each joint the rotation between its tiles, 0 at the start. It measures the opening of the
-/// joint. Radians, [0, pi]. `poses` has one pose per
-/// tile. In the order of the joints; links and fixed joints count too.
+/// joint. Radians, [0, pi]. `poses` has one pose per tile. In the order of the joints; links and
+/// fixed joints count too.
 std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------

@@ -241,8 +241,8 @@ double smallestCornerSine(const std::vector<model::Tile>& tiles) {
 //
 // Tiles of a rounded or optimised design fit each other only to a misfit e. Redundant equations
 // then have singular values of about e, in tiles, instead of zero, and the design would count as
-// locked. The rank is therefore counted at the highest gap of the spectrum whose lower side is
-// a possible misfit: a factor of kGap without a singular value.
+// locked. The rank is therefore counted at the highest gap of the spectrum whose lower side is a
+// possible misfit: a factor of kGap without a singular value.
 //
 // Small sheets use a dense singular value decomposition. For large ones, the number of eigenvalues
 // of J^T J below s^2 is the number of negative pivots of J^T J - s^2 1 = L D L^T (Sylvester's law

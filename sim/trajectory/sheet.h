@@ -16,8 +16,8 @@ struct TileOverlap {
 };
 
 /// All pairs that overlap by more than the tolerance in metres, the deepest first. At most the
-/// first maxPairs() near pairs are checked. Tiles need an area. Costs a sort, and the edges of
-/// both tiles for each pair whose boxes overlap.
+/// first maxPairs() near pairs are checked. Tiles need an area. Costs a sort, and the edges of both
+/// tiles for each pair whose boxes overlap.
 std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance);
 
 /// The largest difference of any distance between two vertices of one tile, metres. O(n^2) for a

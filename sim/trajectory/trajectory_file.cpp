@@ -1087,8 +1087,7 @@ struct TrajectoryReader::FileRun final : Internals {
         result.isIndeterminate.push_back(mark != 0);
       }
     }
-    // A hold belongs to the sample with exactly its time: the writer stores both from one
-    // number.
+    // A hold belongs to the sample with exactly its time: the writer stores both from one number.
     const auto [first, last] = std::equal_range(holdTimes.begin(), holdTimes.end(), times[index]);
     result.holds.assign(holds.begin() + (first - holdTimes.begin()),
                         holds.begin() + (last - holdTimes.begin()));

@@ -155,9 +155,8 @@ class TrajectoryWriter {
 
 class SampleTable;
 
-/// Reads any sample of a trajectory, from a file or from memory. Throws
-/// InputError with the file's name and the item that is missing, damaged or
-/// contradictory.
+/// Reads any sample of a trajectory, from a file or from memory. Throws InputError with the file's
+/// name and the item that is missing, damaged or contradictory.
 class TrajectoryReader {
  public:
   /// Reads and checks everything except the poses.
@@ -177,11 +176,10 @@ class TrajectoryReader {
   /// Whether samples have mechanics: energies and forces.
   bool hasMechanics() const;
 
-  /// One sample with its steps, index in [0, times().size()). Files do not store
-  /// which tiles were pinned. Reads only the chunks of a file that hold the row; HDF5
-  /// caches those that neighbours share. Throws InputError for a pose that is no
-  /// rotation, not finite or too far away. Throws Interrupted if the scope allows
-  /// interruption.
+  /// One sample with its steps, index in [0, times().size()). Files do not store which tiles were
+  /// pinned. Reads only the chunks of a file that hold the row; HDF5 caches those that neighbours
+  /// share. Throws InputError for a pose that is no rotation, not finite or too far away. Throws
+  /// Interrupted if the scope allows interruption.
   Sample sample(std::size_t index) const;
 
  private:
@@ -281,8 +279,7 @@ inline constexpr const char* kFoldAngles = "panels/fold_angle";         ///< Pan
 namespace kirireel::trajectory {
 
 // ------------------------------------------------------------------------------------------------
-// The samples of a run as consecutive arrays, for programs that use arrays without
-// copying.
+// The samples of a run as consecutive arrays, for programs that use arrays without copying.
 
 /// Grows by whole samples. The addresses of its arrays are valid until it grows.
 class SampleTable {
