@@ -17,8 +17,8 @@
 //
 //     V = (n - a) x (p - a) . (u - a) > 0,
 //
-// six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have V >
-// 0 is not inverted there. V is the Jacobian determinant at the corners of the linear element.
+// six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have
+// V > 0 is not inverted there. V is the Jacobian determinant at the corners of the linear element.
 // Midside nodes lie halfway, so quadratic elements have the same.
 #include "render/fea/element_mesh.h"
 
@@ -995,12 +995,6 @@ std::vector<std::array<double, 2>> placesOnSide(const ElementMesh& mesh,
   return places;
 }
 
-Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
-  Vector3 sum = Vector3::Zero();
-  for (const int node : nodes) sum += positions[node];
-  return sum / static_cast<double>(nodes.size());
-}
-
 /// A node exactly at the radius belongs to the patch despite rounding.
 constexpr double kRoundedUp = 1 + 1e-9;
 
@@ -1165,7 +1159,8 @@ void mergeClusters(ElementMesh& mesh) {
       [&](const NodeCluster& cluster) { return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5; });
   for (auto cluster = mesh.clusters.begin(); cluster != kept; ++cluster) {
     for (const int node : cluster->nodes) lowest[node] = cluster->nodes[0];
-    mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
+    mesh.nodes[cluster->nodes[0]] =
+        referencePosition(mesh, static_cast<std::size_t>(cluster - mesh.clusters.begin()));
   }
   mesh.clusters.erase(mesh.clusters.begin(), kept);
   mergeNodes(mesh, lowest);

@@ -380,14 +380,12 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& 
 
 namespace {
 
-constexpr double kMove = 1e-7;      ///< of the sheet's size
-constexpr double kOnePlace = 4e-8;  ///< of the size; less than two moves, to prevent new
-                                    ///< coincidences
+// Fractions of the sheet's size. kOnePlace is less than two moves, to prevent new coincidences.
+constexpr double kMove = 1e-7;
+constexpr double kOnePlace = 4e-8;
 
 double sizeOf(const std::vector<Vector3>& nodes) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& node : nodes) box.extend(node);
-  return nodes.empty() ? 0 : box.sizes().norm();
+  return nodes.empty() ? 0 : boundingBox(nodes).sizes().norm();
 }
 
 /// For each node whether another coincides with it; `onlyLater`: an earlier one.

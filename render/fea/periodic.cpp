@@ -126,23 +126,19 @@ class LatticeFinder {
     double edges = 0;
     std::size_t count = 0;
     for (const auto& tile : tiles) {
-      Vector3 sum = Vector3::Zero();
-      Vector3 normal = Vector3::Zero();
       for (std::size_t k = 0; k < tile.size(); ++k) {
         const Vector3& next = tile[(k + 1) % tile.size()];
         box.extend(tile[k]);
-        sum += tile[k];
-        normal += (tile[k] - tile[0]).cross(next - tile[0]);
         edges += (next - tile[k]).norm();
         ++count;
       }
-      centres_.push_back(sum / static_cast<double>(tile.size()));
+      centres_.push_back(meanPoint(tile));
       for (const Vector3& corner : tile) {
         reach_ = std::max(reach_, 2 * (corner - centres_.back()).norm());
       }
-      if (normals_.empty()) normal_ = normal.normalized();
-      normals_.push_back(normal.normalized());
+      normals_.push_back(doubledVectorArea(tile).normalized());
     }
+    if (!normals_.empty()) normal_ = normals_.front();
     size_ = box.sizes().norm();
     tolerance_ = kSameLattice * size_;
     tileSize_ = edges / static_cast<double>(count);
@@ -272,8 +268,7 @@ class LatticeFinder {
       for (std::size_t k = 0; k < other.size(); ++k) {
         const Flat &p = other[k], &q = other[(k + 1) % other.size()];
         const Flat along = q - p;
-        const double share = std::clamp((middle - p).dot(along) / along.squaredNorm(), 0.0, 1.0);
-        nearest = std::min(nearest, (p + share * along - middle).norm());
+        nearest = std::min(nearest, (nearestOnSegment(middle, p, q) - middle).norm());
         if ((p.y() > middle.y()) == (q.y() > middle.y())) continue;
         const double x = p.x() + (middle.y() - p.y()) / along.y() * along.x();
         if (x > middle.x()) isInside = !isInside;

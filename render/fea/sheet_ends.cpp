@@ -1,16 +1,16 @@
 // An end of a sheet is what a person would hold: the edges that face outwards there. They are found
-// in a plane: that of a flat sheet, or the projection of any other sheet along its thinnest axis.
+// in the plane of a flat sheet. Any other sheet is projected along its thinnest axis.
 //
 // - Axes: the sides of the smallest rectangle around all points. Rhombi have two such rectangles.
-//   The one is chosen whose longer side has the direction u with the larger
+//   Let u be the direction of a rectangle's longer side. The rectangle with the larger sum counts:
 //
-//       sum over links of x^2 (x^2 + d^2),    x = u . (p - m),    d = u . (c_2 - c_1),
+//       sum over links of x^2 (x^2 + d^2),    x = u . (p - m),    d = u . (c_2 - c_1)
 //
-//   p the link's point, m the mean of all p, c_1 and c_2 the middles of its two polygons. This
-//   rotates with the sheet and is the same for mirror images and other numbers of tiles. The sum is
-//   larger where links lie farther apart and connect polygons along u.
-// - An edge whose midpoint sees another edge on its way out along the axis is inside: it is a bank
-//   of a slit or lies at a hole.
+//   p is the link's point, m the mean of all p, c_1 and c_2 are the middles of its two polygons.
+//   The result rotates with the sheet. It does not change if tiles are mirrored or renumbered. The
+//   sum is large if links are far apart along u and connect polygons along u.
+// - An edge is inside the sheet if another edge lies farther out along the axis from its midpoint:
+//   it is a side of a slit or of a hole.
 
 #include "render/fea/sheet_ends.h"
 
@@ -28,26 +28,14 @@ constexpr double kSameExtent = 1e-9;     ///< relative
 constexpr double kSameDirection = 1e-6;  ///< radians
 constexpr double kSameWeight = 1e-7;     ///< relative
 
-/// Zero for no points.
-Vector3 meanOf(const std::vector<Vector3>& points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(std::max<std::size_t>(points.size(), 1));
-}
-
 /// Polygons seen along one of the sheet's axes.
 class EndFinder {
  public:
   EndFinder(const std::vector<std::vector<Vector3>>& polygons, const Matrix3& axes, double tileSize)
       : polygons_(polygons), axes_(axes), tileSize_(tileSize) {
     for (const auto& polygon : polygons) {
-      Vector3 normal = Vector3::Zero();
-      for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Vector3 next = polygon[(k + 1) % polygon.size()] - polygon[0];
-        normal += (polygon[k] - polygon[0]).cross(next);
-        box_.extend(axes.transpose() * polygon[k]);
-      }
-      normals_.push_back(normal.normalized());
+      for (const Vector3& corner : polygon) box_.extend(axes.transpose() * corner);
+      normals_.push_back(doubledVectorArea(polygon).normalized());
     }
   }
 
@@ -110,12 +98,12 @@ EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons,
   for (const auto& polygon : polygons) {
     for (const Vector3& point : polygon) box.extend(point);
     tiles.push_back({polygon});
-    middles.push_back(meanOf(polygon));
+    middles.push_back(meanPoint(polygon));
   }
   if (polygons.empty()) return ends;
   std::vector<Vector3> places;
   for (const PolygonLink& link : links) places.push_back(link.point);
-  const Vector3 middle = meanOf(places);
+  const Vector3 middle = places.empty() ? Vector3::Zero() : meanPoint(places);
   const auto weight = [&](const Vector3& direction) {
     double sum = 0;
     for (const PolygonLink& link : links) {

@@ -263,14 +263,10 @@ constexpr std::size_t kMaxNamed = 3;
                   foreign.size() == 1 ? "it" : "them", foreign.size() == 1 ? "it" : "them"));
 }
 
-/// Within one file system, since the stage is inside the folder.
-void moveFile(const fs::path& from, const fs::path& to) {
+/// Both are in one file system, since the stage is inside the folder.
+void moveIntoPlace(const fs::path& from, const fs::path& to) {
   if (to.has_parent_path()) makeFolder(to.parent_path());
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (!error) return;
-  throw OutputError(
-      fmt::format("{}: error: cannot be put in place ({})", to.string(), error.message()));
+  moveFile(from, to);
 }
 
 bool isMarked(const fs::path& stage) {
@@ -348,11 +344,11 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
   }
   if (!foreign.empty()) refuse(folder, foreign);
   for (const auto& [name, digest] : files) {
-    if (isPresent(stage / name)) moveFile(stage / name, folder / name);
+    if (isPresent(stage / name)) moveIntoPlace(stage / name, folder / name);
   }
   // Only a run replaces all earlier files; exports add to them.
   if (record == std::string(kSummary)) removeStale(folder, left, files);
-  moveFile(stage / record, folder / record);
+  moveIntoPlace(stage / record, folder / record);
 }
 
 /// The folders of a path that do not exist, the innermost first.

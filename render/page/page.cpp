@@ -376,8 +376,7 @@ class StateCollector {
   static std::optional<PoseSteps> stepsFor(const picture::PictureContent& content,
                                            const PageStates& states) {
     if (states.exact) return std::nullopt;
-    Eigen::AlignedBox3d box;
-    for (const Vector3& point : content.points) box.extend(point);
+    const Eigen::AlignedBox3d box = boundingBox(content.points);
     return finePoseSteps(box.center(), box.diagonal().norm(), largestRadius(content.bricks));
   }
 
@@ -552,12 +551,11 @@ std::string stillPicture(const trajectory::TrajectoryReader& run,
 
 // ------------------------------------------------------------------------------------------------
 // Describes a run in text, only from trajectory.h5: a page can be made even without summary.json.
-// "Findings" is the JSON text that record() stores in the trajectory (path, warnings). Files of
-// older versions have none.
+// "Findings" is the JSON text that record() stores in the trajectory (path, warnings).
 
 namespace {
 
-/// The findings of the run; empty for old files.
+/// The findings of the run; empty if it has none.
 Json findingsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = parseJsonOrDiscard(run.end().findings);
   return findings.is_object() ? findings : Json::object();
@@ -565,11 +563,7 @@ Json findingsOf(const trajectory::TrajectoryReader& run) {
 
 /// The sides of the box along x, y and z.
 std::string sizeText(const std::vector<model::Tile>& tiles, const LengthUnit& unit) {
-  Eigen::AlignedBox3d box;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
-  }
-  const Vector3 sides = box.sizes() / unit.metres;
+  const Vector3 sides = model::boxOf(tiles).sizes() / unit.metres;
   return fmt::format("{:.4g} × {:.4g} × {:.4g} {}", sides.x(), sides.y(), sides.z(), unit.name);
 }
 
@@ -732,7 +726,6 @@ namespace {
 constexpr double kPositionSteps = 32768;
 
 template <typename Number>
-/// Any number of entries, including zero.
 Json packedAs(const char* type, std::span<const Number> entries) {
   const std::span<const std::byte> bytes = std::as_bytes(entries);
   std::vector<std::byte> planes;

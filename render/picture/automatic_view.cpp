@@ -106,11 +106,7 @@ Axes upright(const Tiles& start, const Vector3& normal) {
 
 /// The normal of the layer that contains all points, if there is one. Its sign is undefined.
 std::optional<Vector3> layerNormal(std::span<const Vector3> points, const Tiles& start) {
-  const Vector3 middle = [&points] {
-    Vector3 sum = Vector3::Zero();
-    for (const Vector3& point : points) sum += point;
-    return Vector3(sum / static_cast<double>(points.size()));
-  }();
+  const Vector3 middle = meanPoint(points);
   Matrix3 spread = Matrix3::Zero();
   for (const Vector3& point : points) {
     spread += (point - middle) * (point - middle).transpose();

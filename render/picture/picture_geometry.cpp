@@ -49,15 +49,6 @@ constexpr int kShadowDirections = 12;
 /// Length of a dash, and of the gap after it, in widths of the line.
 constexpr double kDashWidths = 3;
 
-/// Twice the vector area (Newell), normalised: the outward normal of an anticlockwise polygon.
-Vector3 polygonNormal(const std::vector<Vector3>& corners) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    sum += (corners[k] - corners[0]).cross(corners[(k + 1) % corners.size()] - corners[0]);
-  }
-  return sum.normalized();
-}
-
 /// Towards the eye from a point, not normalised.
 Vector3 towardsEye(const Camera& camera, const Vector3& point) {
   return camera.orthographic ? camera.eye - camera.centre : camera.eye - point;
@@ -132,7 +123,7 @@ void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, c
                  PictureGeometry& geometry) {
   const Matrix3 towardsPicture = pictureFromWorld(camera);
   for (const auto& [corners] : polygons) {
-    const Vector3 normal = polygonNormal(corners);
+    const Vector3 normal = doubledVectorArea(corners).normalized();
     const bool isFront = normal.dot(towardsEye(camera, corners[0])) > 0;
     std::vector<Vector3> seen = corners;
     if (!isFront) std::reverse(seen.begin(), seen.end());
@@ -258,7 +249,7 @@ void drawTrails(const std::vector<std::vector<Vector3>>& trails, double width, C
 
 /// Computed once for each face of a run; each picture only moves and rotates faces.
 GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corners) {
-  Face face{corners, {}, polygonNormal(corners)};
+  Face face{corners, {}, doubledVectorArea(corners).normalized()};
   if (!model::isConvexPolygon(corners, face.normal))
     face.triangles = model::trianglesOf(corners, face.normal);
   return face;
@@ -460,27 +451,12 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
 
 namespace {
 
-/// In mean radii of bricks.
+/// Distance at which faces occlude each other, in mean radii of bricks.
 constexpr double kOcclusionReach = 2.5;
 
 /// Points of a face are halfway between its centre and its corners; thin faces have only their
 /// centre.
 constexpr double kThinFace = 0.25;
-
-Vector3 meanOf(std::span<const Vector3> points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
-/// Its length is the area, its direction the normal of an anticlockwise polygon.
-Vector3 vectorArea(std::span<const Vector3> corners) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 2; k < corners.size(); ++k) {
-    sum += 0.5 * (corners[k - 1] - corners[0]).cross(corners[k] - corners[0]);
-  }
-  return sum;
-}
 
 double longestSide(std::span<const Vector3> corners) {
   double longest = 0;
@@ -533,9 +509,9 @@ Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces
     if (faces[brick].empty()) continue;
     Occluder& made = occluders_.emplace_back();
     made.brick = static_cast<int>(brick);
-    made.centre = 0.5 * (meanOf(faces[brick][0]) + meanOf(faces[brick][1]));
+    made.centre = 0.5 * (meanPoint(faces[brick][0]) + meanPoint(faces[brick][1]));
     for (const std::vector<Vector3>& corners : faces[brick]) {
-      Wall wall{corners, vectorArea(corners).normalized(), 0};
+      Wall wall{corners, doubledVectorArea(corners).normalized(), 0};
       wall.offset = wall.normal.dot(corners[0]);
       for (const Vector3& corner : corners) {
         made.radius = std::max(made.radius, (corner - made.centre).norm());
@@ -573,9 +549,9 @@ double Occluders::occlusionAt(int brick, const Vector3& point, const Vector3& no
 
 double Occluders::occlusion(int brick, std::span<const Vector3> corners,
                             const Vector3& normal) const {
-  const Vector3 middle = meanOf(corners);
+  const Vector3 middle = meanPoint(corners);
   const double side = longestSide(corners);
-  if (vectorArea(corners).norm() < kThinFace * side * side) {
+  if (0.5 * doubledVectorArea(corners).norm() < kThinFace * side * side) {
     return occlusionAt(brick, middle, normal);
   }
   double sum = 0;

@@ -161,6 +161,15 @@ std::vector<std::vector<std::vector<Vector3>>> ghostFaces(Ghost ghost,
   return ghosts;
 }
 
+/// Throws InputError if an option refers to tiles that do not exist.
+void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t count) {
+  for (const int tile : tiles) {
+    if (tile < static_cast<int>(count)) continue;
+    throw InputError(fmt::format("error: {}: the model has no tile {}. Give tiles from 0 to {}",
+                                 option, tile, static_cast<long>(count) - 1));
+  }
+}
+
 void requireTarget(const PictureContent& content, const char* option) {
   if (content.target) return;
   throw InputError(
@@ -242,16 +251,12 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
 void requireVertices(const std::vector<TracedVertex>& trails,
                      const std::vector<brick::Brick>& bricks) {
   for (const auto& [tile, vertex] : trails) {
-    if (tile >= static_cast<int>(bricks.size())) {
-      throw InputError(
-          fmt::format("error: --trail: there is no tile {}; the model's are numbered 0 to {}", tile,
-                      static_cast<long>(bricks.size()) - 1));
-    }
+    requireTiles("--trail", {tile}, bricks.size());
     const long last = static_cast<long>(bricks[tile].bottom.size()) - 1;
     if (vertex > last) {
       throw InputError(
-          fmt::format("error: --trail: tile {} has no vertex {}; its vertices are numbered 0 to {}",
-                      tile, vertex, last));
+          fmt::format("error: --trail: tile {} has no vertex {}. Give vertices from 0 to {}", tile,
+                      vertex, last));
     }
   }
 }
@@ -284,7 +289,7 @@ PictureSetup::PictureSetup(const Appearance& appearance, PictureContent content,
   if (cueShare_ > 0 && cameras_.isStill()) stillCue_ = depthCueFrom(cameras_.at(0, 0));
 }
 
-/// Its range has the bricks at the start, at the target and in the run.
+/// Its range includes the bricks at the start, at the target and in the run.
 DepthCue PictureSetup::depthCueFrom(const Camera& camera) const {
   DepthCue cue{cueShare_, std::numeric_limits<double>::infinity(),
                -std::numeric_limits<double>::infinity()};
@@ -352,7 +357,6 @@ std::optional<double> PictureSetup::sharedHeight() const {
   return camera.viewHeight;
 }
 
-/// For scale bars.
 double PictureSetup::metresPerPixel() const {
   const std::optional<double> height = sharedHeight();
   if (height) return *height / size_.height;
@@ -515,7 +519,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
 }
 
-/// Next to each other if there are both.
+/// A scale of colours and a scale bar are next to each other.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                        const std::vector<LegendEntry>& legend,
                        const std::optional<PictureScale>& scale) const {
@@ -592,9 +596,9 @@ bool alike(const std::vector<double>& a, const std::vector<double>& b) {
   });
 }
 
-/// The number of each entry in the list of distinct entries, in order of appearance.
+/// The number of each entry in the list of distinct entries, in order of appearance. Compares each
+/// entry with all distinct ones, which are few.
 template <typename T, typename Same>
-/// Compares each entry with all previous kinds; there are few.
 std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   std::vector<T> known;
   std::vector<int> numbers;
@@ -652,13 +656,6 @@ double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
-/// The diagonal of the points' bounding box.
-double diagonal(const std::vector<Vector3>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& point : points) box.extend(point);
-  return box.diagonal().norm();
-}
-
 }  // namespace
 
 bool isMeasure(Colouring colouring) {
@@ -690,19 +687,6 @@ std::vector<int> shapeKinds(const std::vector<brick::Brick>& bricks) {
   const bool many = std::any_of(kinds.begin(), kinds.end(), [](int k) { return k >= kMaxKinds; });
   return many ? numbered(corners, std::equal_to<>()) : kinds;
 }
-
-namespace {
-
-/// Throws InputError if an option refers to tiles that do not exist.
-void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t count) {
-  for (const int tile : tiles) {
-    if (tile < static_cast<int>(count)) continue;
-    throw InputError(fmt::format("error: {}: there is no tile {}; the model's are numbered 0 to {}",
-                                 option, tile, static_cast<long>(count) - 1));
-  }
-}
-
-}  // namespace
 
 BrickPalette::BrickPalette(const Appearance& appearance, const PictureContent& content)
     : colouring_(appearance.colouring), content_(content), plain_(plainColours(appearance)) {
@@ -820,7 +804,7 @@ double BrickPalette::largestExpected() const {
       // The whole distance to the target, or without a target half the size of the view.
       return (content_.target ? largest(trajectory::brickTargetErrors(
                                     *content_.target, content_.bricks, content_.start))
-                              : 0.5 * diagonal(content_.points)) /
+                              : 0.5 * boundingBox(content_.points).diagonal().norm()) /
              content_.unit.metres;
     case Colouring::Rotation:
       return 90;

@@ -42,15 +42,6 @@ namespace fs = std::filesystem;
 constexpr const char* kRecord = "run.json";
 constexpr const char* kLock = "lock";
 
-/// The target folder must not exist or must be empty (rename(2)).
-void putInPlace(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (!error) return;
-  throw OutputError(
-      fmt::format("{}: error: cannot be put in place ({})", to.string(), error.message()));
-}
-
 /// Empties a folder except its lock: files of a killed run.
 void removeLeftovers(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -160,8 +151,8 @@ void RunClaim::finish(const RunRecord& record) {
   const fs::path former = finished_.string() + ".old.part";
   std::error_code ignored;
   fs::remove_all(former, ignored);
-  if (isPresent(finished_)) putInPlace(finished_, former);
-  putInPlace(folder_, finished_);
+  if (isPresent(finished_)) moveFile(finished_, former);
+  moveFile(folder_, finished_);
   fs::remove(finished_ / kLock, ignored);
   fs::remove_all(former, ignored);
 }

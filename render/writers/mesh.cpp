@@ -96,14 +96,10 @@ aiVector3D numbered(unsigned corner) {
 Vector3 normalOf(const std::vector<Vector3>& face) {
   // The fan's area vector points outwards, even if individual corners do not.
   const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
-  Vector3 area = Vector3::Zero();
-  for (std::size_t k = 2; k < face.size(); ++k) {
-    area += (face[k - 1] - face[0]).cross(face[k] - face[0]);
-  }
-  return area.dot(normal) < 0 ? Vector3(-normal) : normal;
+  return doubledVectorArea(face).dot(normal) < 0 ? Vector3(-normal) : normal;
 }
 
-/// In single precision, since normals only affect shading.
+/// The normal in single precision, since it only affects shading.
 aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
   std::vector<Vector3> points;
   for (const unsigned corner : face) points.push_back(corners[corner]);
@@ -113,14 +109,13 @@ aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
 
 // Arrays are raw because aiMesh and aiScene delete them.
 template <typename T>
-/// Ownership of the array passes to the caller's object.
 T* copied(const std::vector<T>& values) {
   T* array = new T[values.size()];
   std::ranges::copy(values, array);
   return array;
 }
 
-/// Also sets mPrimitiveTypes. The exporters would otherwise write broken rows.
+/// Sets the faces and mPrimitiveTypes, without which the exporters write invalid rows.
 void setFaces(aiMesh& mesh, const std::vector<Face>& faces) {
   mesh.mNumFaces = static_cast<unsigned>(faces.size());
   mesh.mFaces = new aiFace[faces.size()];
@@ -293,9 +288,8 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
 /// Origin for single precision: the world origin, or the centre of points so far from it that they
 /// would lose more than a digit.
 Vector3 singleOrigin(const std::vector<Vector3>& points) {
-  constexpr double kFar = 10;  // of the diagonal
-  Eigen::AlignedBox3d box;
-  for (const Vector3& point : points) box.extend(point);
+  constexpr double kFar = 10;  // diagonals
+  const Eigen::AlignedBox3d box = boundingBox(points);
   const bool isFar = box.center().norm() > kFar * box.diagonal().norm();
   return isFar ? Vector3(box.center()) : Vector3::Zero();
 }

@@ -174,13 +174,16 @@ PendingFile::~PendingFile() {
 }
 
 void PendingFile::commit() {
-  std::error_code error;
-  std::filesystem::rename(path_, finalPath_, error);
-  if (error) {
-    throw OutputError(fmt::format("{}: error: cannot be put in place ({})", finalPath_.string(),
-                                  error.message()));
-  }
+  moveFile(path_, finalPath_);
   committed_ = true;
+}
+
+void moveFile(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  std::filesystem::rename(from, to, error);
+  if (!error) return;
+  throw OutputError(
+      fmt::format("{}: error: cannot be put in place ({})", to.string(), error.message()));
 }
 
 void makeFolder(const std::filesystem::path& folder) {

@@ -119,6 +119,9 @@ class PendingFile {
   bool committed_ = false;
 };
 
+/// Renames a file or a folder within one file system (rename(2)). Throws OutputError.
+void moveFile(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Creates a folder and its parents. Throws OutputError with the system's reason.
 void makeFolder(const std::filesystem::path& folder);
 

@@ -6,10 +6,24 @@
 
 namespace kirireel {
 
-Vector3 meanPoint(const std::vector<Vector3>& points) {
+Vector3 meanPoint(std::span<const Vector3> points) {
   Vector3 sum = Vector3::Zero();
   for (const Vector3& point : points) sum += point;
   return sum / static_cast<double>(points.size());
+}
+
+Vector3 meanPosition(const Poses& poses) {
+  Vector3 sum = Vector3::Zero();
+  for (const Pose& pose : poses) sum += pose.position;
+  return sum / static_cast<double>(poses.size());
+}
+
+Vector3 doubledVectorArea(std::span<const Vector3> corners) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+    sum += (corners[k] - corners[0]).cross(corners[k + 1] - corners[0]);
+  }
+  return sum;
 }
 
 SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix) {

@@ -1,8 +1,10 @@
 /// Vectors, poses and motions. SI units, right-handed axes, z up, column vectors, radians.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -44,7 +46,28 @@ inline std::pair<double, double> nearestOnLines(const Vector3& pointA, const Vec
 }
 
 /// The mean of one or more points.
-Vector3 meanPoint(const std::vector<Vector3>& points);
+Vector3 meanPoint(std::span<const Vector3> points);
+
+/// The bounding box of points in the plane or in space; empty without points.
+template <class Points>
+auto boundingBox(const Points& points) {
+  Eigen::AlignedBox<double, Points::value_type::SizeAtCompileTime> box;
+  for (const auto& point : points) box.extend(point);
+  return box;
+}
+
+/// Twice the vector area of a polygon: along the normal of anticlockwise corners (Newell's sum). It
+/// is relative to the first corner, which keeps the precision of distant polygons.
+Vector3 doubledVectorArea(std::span<const Vector3> corners);
+
+/// The point of the segment from `a` to `b` nearest to a point, in the plane or in space. The
+/// segment may have no length.
+template <class Point>
+Point nearestOnSegment(const Point& point, const Point& a, const Point& b) {
+  const Point along = b - a;
+  const double square = along.squaredNorm();
+  return square > 0 ? Point(a + std::clamp((point - a).dot(along) / square, 0.0, 1.0) * along) : a;
+}
 
 /// Position and rotation of one brick: a point r in brick axes is at position + rotation * r.
 struct Pose {
@@ -54,7 +77,6 @@ struct Pose {
   /// The world position of a point in the brick's own axes, metres.
   Vector3 apply(const Vector3& point) const { return position + rotation * point; }
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Pose>(field("position", &Pose::position, "m"),
                                 field("rotation", &Pose::rotation));
@@ -66,7 +88,6 @@ struct Velocity {
   Vector3 linear = Vector3::Zero();   ///< of the centre of mass, m/s
   Vector3 angular = Vector3::Zero();  ///< rad/s
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Velocity>(field("linear", &Velocity::linear, "m/s"),
                                     field("angular", &Velocity::angular, "rad/s"));
@@ -76,12 +97,14 @@ struct Velocity {
 /// The poses of all bricks at one time, in the order of the model's tiles.
 using Poses = std::vector<Pose>;
 
+/// The mean position of one or more bricks, metres.
+Vector3 meanPosition(const Poses& poses);
+
 /// The state that a deployment advances: one entry per brick.
 struct Motion {
   Poses poses;                       ///< one per brick
   std::vector<Velocity> velocities;  ///< one per brick
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Motion>(field("poses", &Motion::poses),
                                   field("velocities", &Motion::velocities));
@@ -168,8 +191,9 @@ Vector3 turnRate(const Vector3& turn, const Vector3& angular);
 
 /// Interpolates two motions that are `seconds` apart, at a share in [0, 1], by cubics with the
 /// positions, rotations and velocities of both ends. Hermite's cubics: positions and rotation
-/// vectors p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1
-/// - s)^2 h v_0 - s^2 (1 - s) h v_1, with s the share and h the seconds.
+/// vectors are
+///   p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1 - s)^2 h v_0 - s^2 (1 - s) h v_1
+/// with s the share and h the seconds.
 Poses interpolate(const Motion& from, const Motion& to, double seconds, double share);
 
 }  // namespace kirireel

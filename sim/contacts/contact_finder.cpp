@@ -708,9 +708,9 @@ struct Screw {
 };
 
 /// The screw that takes one pose to another.
-// The centre c of a screw with the angle p about the unit axis a satisfies to = c + R (from - c) +
-// advance along a; with d the part of the displacement across a, c = from + (d + a x d / tan(p/2))
-// / 2.
+// The centre c of a screw with the angle p about the unit axis a satisfies
+// to = c + R (from - c) + advance along a; with d the part of the displacement across a,
+// c = from + (d + a x d / tan(p/2)) / 2.
 Screw screwBetween(const Pose& from, const Pose& to) {
   const Eigen::AngleAxisd turned(to.rotation * from.rotation.conjugate());
   Screw screw{Vector3::Zero(), from.position, to.position - from.position};
@@ -880,8 +880,8 @@ bool BrickPair::isSeparatedInTurn(const PairMove& move) const {
   return false;
 }
 
-/// The new steady planes that held best at the start and are violated least at the end: one, or
-/// several that are equally good. Empty without one.
+/// The new steady planes with the largest gap at the start and the least violation at the end: one,
+/// or several that are equally good. Empty if there is none.
 std::vector<const SeparatingPlane*> BrickPair::planesToGive(long step) {
   std::vector<const SeparatingPlane*> candidates;
   double best = -kInfinity;
@@ -1042,8 +1042,8 @@ bool BrickPair::isApartOtherwise(const brick::Contact& contact,
 // normal n from B towards A,
 //   s = min over A of (p . n) - max over B of (p . n)             metres
 // is the separation: positive if they are apart, negative if they overlap along n. For a face of B,
-// n is its outward normal, and the maximum over B is at any point of the face. For edges, n =
-// +-(e_A x e_B) / |e_A x e_B|, with a separate plane for each sign. A plane keeps its sign from
+// n is its outward normal, and the maximum over B is at any point of the face. For edges,
+// n = +-(e_A x e_B) / |e_A x e_B|, with a separate plane for each sign. A plane keeps its sign from
 // step to step.
 //
 // A prism over a polygon with k corners has k + 2 faces and up to k + 1 edge directions. In the
@@ -1460,15 +1460,6 @@ double insideBorders(const brick::Contact& ofBricks, const PlacedOutline& a,
 
 namespace {
 
-/// Newell's normal: also of a face whose first corners lie in line.
-Vector3 normalOf(const std::vector<Vector3>& face) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 0; k < face.size(); ++k) {
-    sum += (face[k] - face[0]).cross(face[(k + 1) % face.size()] - face[0]);
-  }
-  return sum.normalized();
-}
-
 // Whether the point projects into the face, seen along its normal.
 bool isOverFace(const std::vector<Vector3>& face, const Vector3& normal, const Vector3& point) {
   for (std::size_t k = 0; k < face.size(); ++k) {
@@ -1480,9 +1471,7 @@ bool isOverFace(const std::vector<Vector3>& face, const Vector3& normal, const V
 
 // The point must not lie on the edge, where the direction is not defined.
 NearestPoint nearestOnEdge(const Vector3& from, const Vector3& to, const Vector3& point) {
-  const Vector3 edge = to - from;
-  const double part = std::clamp((point - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-  const Vector3 nearest = from + part * edge;
+  const Vector3 nearest = nearestOnSegment(point, from, to);
   const double distance = (point - nearest).norm();
   return {nearest, (point - nearest) / distance, distance, false};
 }
@@ -1493,7 +1482,7 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
   NearestPoint nearest{{}, {}, std::numeric_limits<double>::infinity()};
   NearestPoint within{{}, {}, -std::numeric_limits<double>::infinity()};
   for (const std::vector<Vector3>& face : faces) {
-    const Vector3 normal = normalOf(face);
+    const Vector3 normal = doubledVectorArea(face).normalized();
     const double height = normal.dot(to - face[0]);
     const NearestPoint onFace{to - height * normal, normal, height};
     if (height > within.distance) within = onFace;

@@ -490,15 +490,6 @@ double zoneRadius(const brick::Brick& a, const brick::Brick& b) {
   return std::max(kMargins * margin, kEdges * 0.5 * (brick::meanEdge(a) + brick::meanEdge(b)));
 }
 
-// A segment without length is a point.
-double distanceToSegment(const Vector3& point, const Vector3& from, const Vector3& to) {
-  const Vector3 along = to - from;
-  const double squaredLength = along.squaredNorm();
-  if (squaredLength == 0) return (point - from).norm();
-  const double part = std::clamp((point - from).dot(along) / squaredLength, 0.0, 1.0);
-  return (point - from - part * along).norm();
-}
-
 }  // namespace
 
 PivotZones::PivotZones(const std::vector<brick::Brick>& bricks,
@@ -528,7 +519,7 @@ bool PivotZones::contains(int brickA, int brickB, const Poses& poses, const Vect
   const Pose& pose = poses[pair.first];
   const Vector3 local = pose.rotation.conjugate() * (point - pose.position);
   return std::ranges::any_of(found->second, [&](const Zone& zone) {
-    return distanceToSegment(local, zone.from, zone.to) <= zone.radius;
+    return (nearestOnSegment(local, zone.from, zone.to) - local).norm() <= zone.radius;
   });
 }
 

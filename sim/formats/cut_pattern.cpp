@@ -354,7 +354,7 @@ class CutPatternReader {
   /// Lines drawn twice may differ by more than the tolerance. Raises the tolerance to that. Slots
   /// are wider than kTwice of their drawing.
   void takeDoubledLines() {
-    constexpr double kTwice = 1e-5;  // of the drawing's size
+    constexpr double kTwice = 1e-5;  // fraction of the drawing's size
     const double most = kTwice * drawing_.size();
     if (tolerance_ >= most) return;
     const std::vector<PlaneSegment> segments =
@@ -436,7 +436,7 @@ class CutPatternReader {
 
   /// Whether a group of short straight lines would cut hinges between the other lines.
   bool areBridges(const LineGroup& group, const std::vector<const DrawnPath*>& others) const {
-    constexpr double kShort = 0.25;  // of a tile
+    constexpr double kShort = 0.25;  // fraction of a tile
     const auto sheet = ifSheet([&] { return sheetOf(others); });
     if (!sheet || sheet->model.joints.empty()) return false;
     const double most = kShort * model::tileSize(sheet->model);
@@ -663,8 +663,7 @@ class CutPatternReader {
     constexpr int kCuts = 2;  // a slot or a hole may hold a mark
     std::vector<PlaneRing> sheets;
     for (const PlaneRing& ring : rings) {
-      Eigen::AlignedBox2d box;
-      for (const Vector2& point : ring) box.extend(point);
+      const Eigen::AlignedBox2d box = boundingBox(ring);
       const auto cuts =
           std::ranges::count_if(rings,
                                 [&](const PlaneRing& cut) {
@@ -801,7 +800,7 @@ class CutPatternReader {
     }
     const std::set<int> frames = dropFrameParts(lines, parts, boxes);
     if (boxes.empty()) return;
-    constexpr double kMark = 0.1;  // of the largest part
+    constexpr double kMark = 0.1;  // fraction of the largest part
     const auto sizeOf = [](const auto& box) { return box.second.diagonal().norm(); };
     const double most = sizeOf(*std::ranges::max_element(boxes, {}, sizeOf));
     for (int node = 0; node < std::ssize(parts); ++node) {

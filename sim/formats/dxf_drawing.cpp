@@ -276,10 +276,8 @@ class DxfReader {
       if (std::abs(value(*normal)) < 1 - kSlope * kSlope) return false;
     }
     for (std::size_t k = first; k < last; ++k) addHeights(all[k]);
-    Eigen::AlignedBox2d box;
-    for (const Vector2& point : path.points) box.extend(point);
     const auto [low, high] = std::ranges::minmax(heights.empty() ? std::vector{0.0} : heights);
-    return high - low <= kSlope * box.diagonal().norm();
+    return high - low <= kSlope * boundingBox(path.points).diagonal().norm();
   }
 
   /// The colours 1 to 7 of AutoCAD's table. Other colours are named by their number.

@@ -6,17 +6,10 @@
 namespace kirireel::formats {
 namespace {
 
-Vector2 nearestOn(const PlaneSegment& line, const Vector2& point) {
-  const Vector2 along = line.second - line.first;
-  const double share =
-      std::clamp((point - line.first).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  return line.first + share * along;
-}
-
 Vector2 nearestOn(const DrawnPath& path, const Vector2& point) {
   Vector2 nearest = path.points.front();
   for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
-    const Vector2 place = nearestOn({path.points[k], path.points[k + 1]}, point);
+    const Vector2 place = nearestOnSegment(point, path.points[k], path.points[k + 1]);
     if ((place - point).norm() < (nearest - point).norm()) nearest = place;
   }
   return nearest;
@@ -25,7 +18,7 @@ Vector2 nearestOn(const DrawnPath& path, const Vector2& point) {
 }  // namespace
 
 double distanceTo(const PlaneSegment& line, const Vector2& point) {
-  return (nearestOn(line, point) - point).norm();
+  return (nearestOnSegment(point, line.first, line.second) - point).norm();
 }
 
 double apartOf(const DrawnPath& a, const DrawnPath& b) {

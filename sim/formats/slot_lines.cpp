@@ -137,7 +137,7 @@ std::vector<PlaneRing> filledOutlines(GeosPlane& plane, const GEOSGeometry* mate
     const auto holdsIt = [&](const PlaneRing& ring) { return isWithinRing(ring, middle); };
     return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
   };
-  constexpr double kCut = 0.1;  // of the square of a slot's width
+  constexpr double kCut = 0.1;  // area over the square of a slot's width
   // Slots that end at the outline within rounding leave needles of material, with mitres far away.
   const double needle = 2 * tolerance;
   const GEOSGeometry* eroded = plane.grown(material, -needle);
@@ -173,9 +173,7 @@ Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, dou
 }  // namespace
 
 double extentOf(const PlaneRing& ring) {
-  Eigen::AlignedBox2d box;
-  for (const Vector2& point : ring) box.extend(point);
-  return box.diagonal().norm();
+  return boundingBox(ring).diagonal().norm();
 }
 
 void dropFrames(std::vector<PlaneRing>& rings, std::map<std::string, int>& leftOut) {
@@ -198,7 +196,7 @@ namespace {
 void takeEnclosedSlots(const std::vector<PlaneRing>& rings,
                        const std::vector<const DrawnPath*>& open, double reach, double tolerance,
                        std::vector<PlaneRing>& removed, std::vector<PlaneSegment>& slits) {
-  constexpr double kSlender = 0.1;  // of 4 area / perimeter^2; 0.25 for a square
+  constexpr double kSlender = 0.1;  // 4 area / perimeter^2; a square has 0.25
   if (open.empty()) return;
   std::vector<PlaneSegment> segments = segmentsOf(rings);
   std::vector<std::vector<PlaneSegment>> pieces;

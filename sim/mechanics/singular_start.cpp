@@ -4,10 +4,11 @@
 //
 // 1. Steps of first order find a closed state at some distance. They do not find its time, because
 //    they lose velocity at the start. They may also stay at the start. A closed sheet opens under
-//    forces away from its centre, so these follow if the loads fail. If the state is on the side
-//    against the loads, forces along the opposite displacement find the other side.
-// 2. On the path, at the size s, the least stiff constraint is proportional to s. The motion starts
-//    with the least size at which projections resolve it. Larger sheets need larger sizes.
+//    forces away from its centre, so these are tried if the loads fail. If the displacement is
+//    against the loads, forces in the opposite direction find the other side.
+// 2. On the path, at the size s, the least stiff constraint is proportional to s. The motion ends
+// at
+//    the least size at which projections resolve it. Sheets of more tiles need a larger size.
 // 3. Collocation finds the motion until then. The accelerations a(t) are a polynomial through three
 //    nodes. None of them is the singular start. The states at the nodes are
 //      x = start + integral of (t - s) a(s) ds,   v = integral of a(s) ds,
@@ -27,22 +28,22 @@ namespace {
 // Sizes of displacements are in length scales.
 constexpr double kSmallest = 1e-3;   // first size of the motion's end
 constexpr double kLargest = 0.3;     // last size
-constexpr double kGrowth = 4;        // of sizes
+constexpr double kGrowth = 4;        // factor from one size to the next
 constexpr double kReach = 0.1;       // size of the state that steps of first order find
 constexpr double kLongest = 60;      // duration of the motion, over the longest step
 constexpr double kProbe = 1.0 / 64;  // step that measures accelerations, over the longest step
-constexpr double kSingular = 0.1;    // share of a displacement that closing takes away
-constexpr double kFirstOrder = 0.1;  // steps of first order, over the time to kReach
-constexpr long kSteps = 30;          // of these
-constexpr long kHalvedSteps = 300;   // of these, halves included
-constexpr double kSameSize = 1e-6;   // of changes that end a search, over the size
-constexpr double kSameSpeed = 1e-6;  // of changes that end a projection, over the speed
-constexpr double kSameEnd = 1e-6;    // of changes of the last speed that end the collocation
+constexpr double kSingular = 0.1;    // fraction of a displacement that closing removes
+constexpr double kFirstOrder = 0.1;  // length of first-order steps, over the time to kReach
+constexpr long kSteps = 30;          // most first-order steps
+constexpr long kHalvedSteps = 300;   // most first-order steps, halves included
+constexpr double kSameSize = 1e-6;   // relative change of the size that ends a search
+constexpr double kSameSpeed = 1e-6;  // relative change of the speed that ends a projection
+constexpr double kSameEnd = 1e-6;    // relative change of the last speed that ends collocation
 constexpr int kMaxProjections = 30;
-constexpr int kMaxRounds = 8;            // of other searches
+constexpr int kMaxRounds = 8;            // rounds of the other searches
 constexpr double kClosedJoints = 1e-10;  // length scales
-constexpr double kMoment = 1e-3;    // over the duration: a time in which accelerations are measured
-constexpr double kSameLoads = 0.1;  // of changes of loads that keep a departure
+constexpr double kMoment = 1e-3;         // time to measure accelerations, over the duration
+constexpr double kSameLoads = 0.1;       // relative change of loads that keeps a departure
 
 // Times of the nodes over the duration.
 constexpr int kNodes = 3;
@@ -174,9 +175,7 @@ LoadSource DepartureSearch::forces(const Move& accelerations) const {
 
 /// Accelerations away from the centre of all bricks, as large as those of the loads.
 Move DepartureSearch::fromCentre() const {
-  Vector3 centre = Vector3::Zero();
-  for (const Pose& pose : start_.poses) centre += pose.position;
-  centre /= static_cast<double>(start_.poses.size());
+  const Vector3 centre = meanPosition(start_.poses);
   Move away(start_.poses.size());
   for (std::size_t i = 0; i < away.size(); ++i) away[i].linear = start_.poses[i].position - centre;
   return scaled(size(free_) / size(away), away);

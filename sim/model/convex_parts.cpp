@@ -196,9 +196,7 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
 /// The distance of two segments.
 double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
   const auto toStretch = [](const Vector2& p, const Vector2& from, const Vector2& to) {
-    const Vector2 along = to - from;
-    const double share = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    return (p - from - share * along).norm();
+    return (nearestOnSegment(p, from, to) - p).norm();
   };
   // Either the nearest points include an end of one segment, or the segments cross.
   const double ofEnds =
@@ -308,6 +306,76 @@ std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points, 
   if (points.empty()) return outline;
   appendHalf(points.begin(), points.end(), flatness, outline);
   appendHalf(points.rbegin(), points.rend(), flatness, outline);
+  return outline;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The hull of the sheet's corners. Corners on a straight side are kept, because springs may pull
+// them.
+
+namespace {
+
+/// Coordinates nearer than this fraction of the sheet's larger side are equal.
+constexpr double kSameCoordinate = 1e-9;
+
+struct TilePoint {
+  double x, y;
+  Corner corner;
+};
+
+/// Merges values that are connected by gaps of at most `least` into their minimum. In rotated or
+/// distant sheets one coordinate occurs as several that differ by rounding.
+void joinNearValues(std::vector<TilePoint>& points, double TilePoint::*value, double least) {
+  std::vector<double*> rising;
+  for (TilePoint& point : points) rising.push_back(&(point.*value));
+  std::ranges::sort(rising, {}, [](const double* at) { return *at; });
+  double last = *rising.front(), first = last;
+  for (double* const at : rising) {
+    if (*at - last > least) first = *at;
+    last = *at;
+    *at = first;
+  }
+}
+
+// By x, then y. A stable sort keeps the first corner at each position first.
+std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
+  std::vector<TilePoint> points;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
+      const Vector3& vertex = tiles[i].vertices[k];
+      points.push_back({vertex.x(), vertex.y(), {static_cast<int>(i), static_cast<int>(k)}});
+    }
+  }
+  const auto [left, right] = std::ranges::minmax(points, {}, &TilePoint::x);
+  const auto [low, high] = std::ranges::minmax(points, {}, &TilePoint::y);
+  const double least = kSameCoordinate * std::max(right.x - left.x, high.y - low.y);
+  joinNearValues(points, &TilePoint::x, least);
+  joinNearValues(points, &TilePoint::y, least);
+  std::stable_sort(points.begin(), points.end(), [](const TilePoint& a, const TilePoint& b) {
+    return std::tie(a.x, a.y) < std::tie(b.x, b.y);
+  });
+  return points;
+}
+
+}  // namespace
+
+std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
+  std::vector<TilePoint> points = sortedPoints(tiles);
+  const auto samePlace = [](const TilePoint& a, const TilePoint& b) {
+    return a.x == b.x && a.y == b.y;
+  };
+  points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
+  std::vector<Eigen::Vector2d> places;
+  for (const TilePoint& point : points) places.emplace_back(point.x, point.y);
+  // A corner this much inside its side is on it: the distance comes from rounding.
+  const double rounding = kSameCoordinate * (places.back() - places.front()).norm();
+  std::vector<Corner> outline;
+  for (const Eigen::Vector2d& place : convexOutline(std::move(places), -rounding)) {
+    const auto at = [&](const TilePoint& point) {
+      return point.x == place.x() && point.y == place.y();
+    };
+    outline.push_back(std::ranges::find_if(points, at)->corner);
+  }
   return outline;
 }
 

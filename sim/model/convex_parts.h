@@ -17,9 +17,9 @@ namespace kirireel::model {
 // overlap depths, painting, element meshes.
 //
 // 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): an ear is a convex corner whose
-//    triangle with its two neighbours contains no other corner. A simple polygon always has one. The ear
-//    with the largest minimum sine is cut off first, which avoids unnecessarily thin triangles. n
-//    corners give n - 2 triangles in O(n^3), n <= 300.
+//    triangle with its two neighbours contains no other corner. A simple polygon always has one.
+//    The ear with the largest minimum sine is cut off first, which avoids unnecessarily thin
+//    triangles. n corners give n - 2 triangles in O(n^3), n <= 300.
 // 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal is removed if both its ends stay convex. The
 //    result has at most four times the minimum number of parts.
 //
@@ -49,10 +49,16 @@ std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
 /// The corners of the convex hull of points in the plane, anticlockwise, without corners that are
-/// `flatness` or less beyond the line between their neighbours. Empty for one point or none.
-/// Andrew's monotone chain (Information Processing Letters 9, 1979), O(n log n).
+/// `flatness` or less beyond the line between their neighbours; < 0 keeps corners on straight
+/// sides. Empty for one point or none. Andrew's monotone chain (Information Processing Letters 9,
+/// 1979), O(n log n).
 std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points,
                                            double flatness = 0);
+
+/// One corner per vertex of the convex hull of all vertices in the xy plane, anticlockwise from the
+/// leftmost (the lowest of several). The first of several corners at one point counts. Requires at
+/// least one tile. Costs O(n log n) for n vertices.
+std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------
 // Tiles that bend: rigid parts with hinges along their common edges.

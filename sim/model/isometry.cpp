@@ -7,9 +7,9 @@
 //   C = sum over i of w_i (a_i - mean a)(b_i - mean b)^T          3 x 3, m^2
 // In space: C = U S V^T (singular values) gives R = V diag(1, 1, d) U^T. d = det(V U^T) = +-1 makes
 // R a rotation, never a reflection. Coplanar points have a singular value 0, so d costs nothing
-// there. Collinear points leave the rotation about their line undetermined.
-// In the plane: trace(R C) = cos(p) (C_xx + C_yy) + sin(p) (C_xy - C_yx), so the angle is p =
-// atan2(C_xy - C_yx, C_xx + C_yy).
+// there. Collinear points leave the rotation about their line undetermined. In the plane:
+// trace(R C) = cos(p) (C_xx + C_yy) + sin(p) (C_xy - C_yx), so the angle is
+// p = atan2(C_xy - C_yx, C_xx + C_yy).
 //
 // W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Crystallographica
 // A32, 1976.
@@ -453,12 +453,6 @@ void symmetriseTiles(std::vector<Tile>& tiles, std::span<const Symmetry> group, 
   tiles = std::move(mean);
 }
 
-Vector3 centreOf(const Poses& poses) {
-  Vector3 sum = Vector3::Zero();
-  for (const Pose& pose : poses) sum += pose.position;
-  return sum / static_cast<double>(poses.size());
-}
-
 /// Maps poses by a symmetry about a centre. Conjugation transforms a rotation, which also removes a
 /// reflection: brick axes are parallel to the world axes at the start.
 class ImageOf {
@@ -519,7 +513,7 @@ std::vector<Symmetry> generatorsOf(std::span<const Symmetry> group) {
 
 // The largest over all symmetries and tiles.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius) {
-  const Vector3 centre = centreOf(poses);
+  const Vector3 centre = meanPosition(poses);
   double farthest = 0;
   for (const Symmetry& symmetry : group) {
     const ImageOf imageOf(symmetry, centre);
@@ -535,7 +529,7 @@ double asymmetry(const Poses& poses, std::span<const Symmetry> group, double rad
 
 Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group) {
   if (group.size() < 2) return poses;
-  const Vector3 centre = centreOf(poses);
+  const Vector3 centre = meanPosition(poses);
   Poses mean(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) mean[i] = {Vector3::Zero(), poses[i].rotation};
   std::vector<Eigen::Vector4d> turns(poses.size(), Eigen::Vector4d::Zero());

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -22,21 +21,6 @@
 #include "sim/base/disjoint_sets.h"
 
 namespace kirireel::model {
-namespace {
-
-/// Newell's sum over edges, relative to the first vertex, which keeps the precision of distant
-/// tiles. Its length is twice the area.
-Vector3 doubledVectorArea(const Tile& tile) {
-  const Vector3& origin = tile.vertices.front();
-  Vector3 sum = Vector3::Zero();
-  for (size_t k = 1; k + 1 < tile.vertices.size(); ++k) {
-    sum += (tile.vertices[k] - origin).cross(tile.vertices[k + 1] - origin);
-  }
-  return sum;
-}
-
-}  // namespace
-
 Corner FileOrder::across(const Corner& corner, const std::vector<Tile>& tiles) const {
   if (isReversed.empty() || !isReversed[corner.tile]) return corner;
   // Reversal maps vertex k of n to n - 1 - k, and is its own inverse.
@@ -98,11 +82,11 @@ const char* kindName(const Joint& joint) {
 }
 
 Vector3 tileNormal(const Tile& tile) {
-  return doubledVectorArea(tile).normalized();
+  return doubledVectorArea(tile.vertices).normalized();
 }
 
 double tileArea(const Tile& tile) {
-  return 0.5 * doubledVectorArea(tile).norm();
+  return 0.5 * doubledVectorArea(tile.vertices).norm();
 }
 
 Vector3 tileCentroid(const Tile& tile) {
@@ -123,11 +107,14 @@ Vector3 tileCentroid(const Tile& tile) {
 
 // Ignores the target, which may be far away.
 double modelSize(const Model& model) {
-  Eigen::AlignedBox3d box;
-  for (const Tile& tile : model.tiles) {
-    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
-  }
+  const Eigen::AlignedBox3d box = boxOf(model.tiles);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+Eigen::AlignedBox3d boxOf(const std::vector<Tile>& tiles) {
+  Eigen::AlignedBox3d box;
+  for (const Tile& tile : tiles) box.extend(boundingBox(tile.vertices));
+  return box;
 }
 
 // Long and short edges have equal weight, for every tile.
@@ -182,96 +169,6 @@ std::vector<int> piecesOf(const Model& model) {
   DisjointSets pieces(model.tiles.size());
   for (const Joint& joint : model.joints) pieces.unite(joint.a.tile, joint.b.tile);
   return pieces.numbers();
-}
-
-// ------------------------------------------------------------------------------------------------
-// Convex hull by Andrew's monotone chain.
-//
-// The points are sorted by x, then by y, and processed from left to right. Each new point removes
-// previous points at which the chain would turn right. This gives the lower half of the hull. The
-// reverse pass gives the upper half. The cost is O(n log n) for sorting and O(n) for both passes.
-// Corners on a straight side are kept, because springs may pull these corners of the sheet. A. M.
-// Andrew, Another efficient algorithm for convex hulls in two dimensions, Information Processing
-// Letters 9, 1979.
-
-namespace {
-
-/// Coordinates nearer than this fraction of the sheet's larger side are equal.
-constexpr double kSameCoordinate = 1e-9;
-
-struct TilePoint {
-  double x, y;
-  Corner corner;
-};
-
-/// Merges values that are connected by gaps of at most `least` into their minimum. In rotated or
-/// distant sheets one coordinate occurs as several that differ by rounding.
-void joinNearValues(std::vector<TilePoint>& points, double TilePoint::*value, double least) {
-  std::vector<double*> rising;
-  for (TilePoint& point : points) rising.push_back(&(point.*value));
-  std::ranges::sort(rising, {}, [](const double* at) { return *at; });
-  double last = *rising.front(), first = last;
-  for (double* const at : rising) {
-    if (*at - last > least) first = *at;
-    last = *at;
-    *at = first;
-  }
-}
-
-// By x, then y. A stable sort keeps the first corner at each position first.
-std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
-  std::vector<TilePoint> points;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
-      const Vector3& vertex = tiles[i].vertices[k];
-      points.push_back({vertex.x(), vertex.y(), {static_cast<int>(i), static_cast<int>(k)}});
-    }
-  }
-  const auto [left, right] = std::ranges::minmax(points, {}, &TilePoint::x);
-  const auto [low, high] = std::ranges::minmax(points, {}, &TilePoint::y);
-  const double least = kSameCoordinate * std::max(right.x - left.x, high.y - low.y);
-  joinNearValues(points, &TilePoint::x, least);
-  joinNearValues(points, &TilePoint::y, least);
-  std::stable_sort(points.begin(), points.end(), [](const TilePoint& a, const TilePoint& b) {
-    return std::tie(a.x, a.y) < std::tie(b.x, b.y);
-  });
-  return points;
-}
-
-/// Twice the area of a triangle; > 0 if a, b, c turn left.
-double turn(const TilePoint& a, const TilePoint& b, const TilePoint& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-/// One half of the hull: points without right turns (Andrew 1979). Omits the last point, which
-/// begins the other half.
-template <typename Iterator>
-void appendHalf(Iterator begin, Iterator end, double rounding, std::vector<Corner>& outline) {
-  std::vector<TilePoint> half;
-  for (Iterator point = begin; point != end; ++point) {
-    while (half.size() > 1 && turn(half[half.size() - 2], half.back(), *point) < -rounding) {
-      half.pop_back();
-    }
-    half.push_back(*point);
-  }
-  for (std::size_t k = 0; k + 1 < half.size(); ++k) outline.push_back(half[k].corner);
-}
-
-}  // namespace
-
-std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
-  std::vector<TilePoint> points = sortedPoints(tiles);
-  const auto samePlace = [](const TilePoint& a, const TilePoint& b) {
-    return a.x == b.x && a.y == b.y;
-  };
-  points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
-  const double width = points.back().x - points.front().x;
-  // Smaller areas come from rounding: the point then counts as on the straight side.
-  const double rounding = kSameCoordinate * width * width;
-  std::vector<Corner> outline;
-  appendHalf(points.begin(), points.end(), rounding, outline);
-  appendHalf(points.rbegin(), points.rend(), rounding, outline);
-  return outline;
 }
 
 void scaleLengths(Model& model, double factor) {

@@ -21,7 +21,6 @@ inline constexpr std::size_t kMaxTileVertices = 300;
 struct Tile {
   std::vector<Vector3> vertices;  ///< at least 3, metres, anticlockwise seen from the tile's normal
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Tile>(field("vertices", &Tile::vertices, "m"));
   }
@@ -38,7 +37,6 @@ struct Corner {
 
   bool operator==(const Corner&) const = default;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Corner>(field("tile", &Corner::tile), field("vertex", &Corner::vertex));
   }
@@ -65,7 +63,6 @@ struct Neck {
   /// Whether the neck is known.
   explicit operator bool() const { return width > 0; }
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Neck>(field("width", &Neck::width, "m"),
                                 field("length", &Neck::length, "m"),
@@ -85,7 +82,6 @@ struct Joint {
   bool isWithinTile = false;
   Neck neck;  ///< of a pivot; unknown unless a drawing or a file has it
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Joint>(
         field("a", &Joint::a), field("b", &Joint::b), field("face", &Joint::face),
@@ -225,6 +221,9 @@ Vector3 tileCentroid(const Tile& tile);
 /// length. 0 for a model without tiles. The cost is linear in the number of vertices.
 double modelSize(const Model& model);
 
+/// The bounding box of all vertices, metres; empty without tiles.
+Eigen::AlignedBox3d boxOf(const std::vector<Tile>& tiles);
+
 /// Mean edge length over all tiles, metres. Messages call this length the tile size. 0 for a model
 /// without tiles.
 double tileSize(const Model& model);
@@ -248,13 +247,5 @@ int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& tar
 /// Whether all vertices have the same height, to the tolerance in metres. The height of the first
 /// vertex is the reference. Requires at least one tile.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
-
-// ------------------------------------------------------------------------------------------------
-// The outline of a sheet.
-
-/// One corner per vertex of the convex hull of all vertices in the xy plane, anticlockwise from the
-/// leftmost (the lowest of several). The first of several corners at one point counts. Requires at
-/// least one tile. Costs O(n log n) for n vertices.
-std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
 
 }  // namespace kirireel::model

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "sim/base/error.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
 #include "sim/model/model.h"
 #include "sim/model/sheet_frame.h"
@@ -23,9 +24,9 @@ namespace kirireel::run {
 // k_tau = k_f, as for a spring at each vertex: a square then rotates at sqrt(3) times the frequency
 // of its translation. Rotations are damped at the same rate,
 //   mu_omega = 2 zeta sqrt(n k_tau / m) I,
-// a matrix, because the inertia differs between the axes of a brick. Scaling m, and I by the same
-// factor or by a length squared, does not change the motion. A value given in N/m replaces its own
-// term. Catto's Box2D (v3) uses the same parameters for its springs.
+// a matrix, because the inertia differs between the axes of a brick. The motion does
+// not change if m and I are scaled by one factor, or I by the square of a length. A value given in
+// N/m replaces its own term. Catto's Box2D (v3) uses the same parameters for its springs.
 
 namespace {
 
@@ -80,7 +81,7 @@ double placeStiffness(const scene::TargetSpringSettings& settings,
 }
 
 // Damping is always critical: tiles must follow without oscillation.
-scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
+scene::TargetSpringSettings guideSprings(const scene::Scene& scene) {
   scene::TargetSpringSettings springs;
   springs.frequency = kGuideFrequency * scene.springs.frequency;
   springs.dampingRatio = 1;
@@ -92,7 +93,7 @@ scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
 double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks) {
   const bool isGuided = scene.path.kind == scene::PathKind::Guided;
   return scene.path.jointRatio *
-         placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
+         placeStiffness(isGuided ? guideSprings(scene) : scene.springs, bricks);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -333,8 +334,8 @@ Matrix3 positivePart(const Matrix3& K) {
          solver.eigenvectors().transpose();
 }
 
-/// Minus the second derivative of sum_k p_k . t_k with respect to a rotation of the p_k: tr(C) 1 -
-/// sym(C) for C = sum_k p_k t_k^T.
+/// Minus the second derivative of sum_k p_k . t_k with respect to a rotation of the p_k:
+/// tr(C) 1 - sym(C) for C = sum_k p_k t_k^T.
 Matrix3 rotationalStiffness(const Matrix3& C) {
   return C.trace() * Matrix3::Identity() - 0.5 * (C + C.transpose());
 }

@@ -9,12 +9,6 @@ namespace {
 
 constexpr int kSettlingMoves = 4;  // maximum in settle()
 
-Vector3 commonCentre(const Poses& poses) {
-  Vector3 sum = Vector3::Zero();
-  for (const Pose& pose : poses) sum += pose.position;
-  return sum / static_cast<double>(poses.size());
-}
-
 }  // namespace
 
 double gyrationRadius(const brick::Brick& brick) {
@@ -32,9 +26,9 @@ trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
 }
 
 bool closeInPlace(Poses& poses, Dynamics& dynamics) {
-  const Vector3 centre = commonCentre(poses);
+  const Vector3 centre = meanPosition(poses);
   if (!dynamics.assemble(poses)) return false;
-  const Vector3 drift = commonCentre(poses) - centre;
+  const Vector3 drift = meanPosition(poses) - centre;
   for (Pose& pose : poses) pose.position -= drift;
   return true;
 }

@@ -1,7 +1,6 @@
-// Additions of the command line to a model, in the order of their dependence. Targets come first,
-// because the start is aligned to the last of them. Tile numbers in the timeline follow. The
-// alignment depends on the pinned tiles. Last come additions measured in the aligned state (links,
-// fixed joints).
+// Adds the parts of a scene that need its model. The order matters: targets first, because the
+// start is aligned to the last one; then the timeline, because the alignment depends on pinned
+// tiles; then the alignment; last links and fixed joints, which are measured in the aligned state.
 //
 // Users number tiles and vertices as in the model's file (zero- or one-based, in the file's order).
 // This file converts them to the model's own numbers.
@@ -215,10 +214,7 @@ void requireNecks(const Scene& scene) {
 /// tiles. Metres.
 Vector3 farMiddle(const std::vector<model::Tile>& tiles) {
   constexpr double kFar = 1e4;  // multiple of their diagonal at which joints close only to 1e-12
-  Eigen::AlignedBox3d box;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
-  }
+  const Eigen::AlignedBox3d box = model::boxOf(tiles);
   const bool isFar = box.center().norm() > kFar * box.diagonal().norm();
   return isFar ? Vector3(box.center()) : Vector3::Zero();
 }
@@ -365,13 +361,13 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
 //    of four origami panels with a chain of joints. For such folds all corners at one point are
 //    first joined pair by pair on each face. The additional folds are hinges too.
 // 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad). The
-//    values of its line in the file have priority over those of all hinges. The default rest angle
-//    of a fold is that of the FOLD file, that of other hinges the angle at the start. The stiffness
-//    of all hinges may be that of a neck of material (stiffness.h) if tiles turn about a corner. A
+//    values of its line in the file have priority over those of all hinges. By default, a fold
+//    rests at the angle of the FOLD file, and another hinge at its angle at the start. If tiles
+//    turn about a corner, all hinges may have the stiffness of a neck of material (stiffness.h). A
 //    neck of length 0 next to an initially closed slit has the stiffness of a crack tip, from its
 //    own table. If tiles have a material (PanelMaterial), the hinges between parts of one tile have
 //    its bending stiffness. They rest at their current angle, independent of all hinges. Folds
-//    without a stiffness have that of the material's length scale.
+//    without a stiffness get it from the material's length scale.
 // 3. A rest angle at which bricks overlap is refused, since contacts or joints would never let the
 //    spring come to rest.
 
@@ -562,7 +558,7 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
   return edges;
 }
 
-/// The scene's neck at a joint: that of the model unless the scene has a width.
+/// The neck at a joint: from the scene if it has a width, else from the model.
 HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
   HingeNeck neck = *scene.hinges.neck;
   if (neck.width > 0) return neck;
@@ -785,7 +781,7 @@ Vector3 inwardAt(const brick::Brick& brick, int corner) {
 
 /// The unit direction of both tiles' edge at their joint if a closed slit lies along it.
 std::optional<Vector3> slitAt(const brick::Pivot& pivot, const std::vector<brick::Brick>& bricks) {
-  constexpr double kFlush = 1e-6;  // of the cosine
+  constexpr double kFlush = 1e-6;  // tolerance of the cosine
   const brick::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
   const brick::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {

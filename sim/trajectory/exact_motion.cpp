@@ -30,9 +30,7 @@ constexpr double kExact = 1e-9;
 constexpr double kGeneric = 0.7;
 
 double sizeOf(const std::vector<model::Tile>& tiles) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& vertex : model::allVertices(tiles)) box.extend(vertex);
-  return box.diagonal().norm();
+  return model::boxOf(tiles).diagonal().norm();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "sim/formats/joint_faces.h"
 #include "sim/formats/tile_checks.h"
 #include "sim/generate/lattice.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
 
 namespace kirireel {

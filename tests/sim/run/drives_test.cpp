@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/generate/lattice.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
 #include "sim/run/forces.h"
 
