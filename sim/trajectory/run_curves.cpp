@@ -13,11 +13,11 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "sim/formats/union_area.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
 #include "sim/trajectory/exact_motion.h"
 #include "sim/trajectory/measures.h"
-#include "sim/trajectory/union_area.h"
 
 namespace kirireel::trajectory {
 namespace {
@@ -358,7 +358,7 @@ constexpr double kMinStrain = 1e-3;
 /// Centres of tiles in a narrower strip, over its length, count as on one line.
 constexpr double kMinWidth = 1e-6;
 
-/// The corners of the convex outline seen along z. (outlineCorners() in model.h also keeps every
+/// The corners of the convex outline seen along z. (outlineCorners() also keeps every
 /// vertex on it.)
 std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<model::Tile>& tiles) {
   std::vector<Eigen::Vector2d> points;
@@ -371,22 +371,16 @@ std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<model::Tile>& t
 }  // namespace
 
 Vector3 boxSides(const std::vector<model::Tile>& tiles) {
-  Eigen::AlignedBox3d box;
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
-  }
+  const Eigen::AlignedBox3d box = model::boxOf(tiles);
   return box.isEmpty() ? Vector3(Vector3::Zero()) : box.sizes();
 }
 
 HullSize hullSize(const std::vector<model::Tile>& tiles) {
   const std::vector<Eigen::Vector2d> corners = outlineSeenAlongZ(tiles);
   HullSize size;
+  size.area = formats::ringArea(corners);
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    // Relative to the first corner: a sheet far from the origin loses no digits.
-    const Eigen::Vector2d from = corners[k] - corners[0];
-    const Eigen::Vector2d to = corners[(k + 1) % corners.size()] - corners[0];
-    size.area += 0.5 * crossZ(from, to);
-    size.perimeter += (to - from).norm();
+    size.perimeter += (corners[(k + 1) % corners.size()] - corners[k]).norm();
   }
   return size;
 }
@@ -399,7 +393,7 @@ std::optional<double> coveredArea(const std::vector<model::Tile>& tiles) {
     std::vector<Eigen::Vector2d>& outline = outlines.emplace_back();
     for (const Vector3& vertex : tile.vertices) outline.emplace_back(vertex.head<2>());
   }
-  return unionArea(outlines);
+  return formats::unionArea(outlines);
 }
 
 std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
@@ -407,10 +401,7 @@ std::optional<double> poissonsRatio(const std::vector<model::Tile>& before,
   const auto centresOf = [](const std::vector<model::Tile>& tiles) {
     Eigen::Matrix2Xd centres(2, tiles.size());
     for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
-      Vector3 sum = Vector3::Zero();
-      for (const Vector3& vertex : tiles[tile].vertices) sum += vertex;
-      centres.col(static_cast<Eigen::Index>(tile)) =
-          sum.head<2>() / static_cast<double>(tiles[tile].vertices.size());
+      centres.col(static_cast<Eigen::Index>(tile)) = meanPoint(tiles[tile].vertices).head<2>();
     }
     return Eigen::Matrix2Xd(centres.colwise() - centres.rowwise().mean());
   };

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include <Eigen/Core>
+#include "sim/formats/arrangement.h"
 
-namespace kirireel::trajectory {
+namespace kirireel::formats {
 
 /// The area of the union of simple polygons, square metres: overlaps count once. The corners of
 /// each polygon may have either orientation.
-double unionArea(const std::vector<std::vector<Eigen::Vector2d>>& polygons);
+double unionArea(const std::vector<PlaneRing>& polygons);
 
-}  // namespace kirireel::trajectory
+}  // namespace kirireel::formats
