@@ -64,9 +64,9 @@ int runProgram(const std::vector<std::string>& arguments) {
   }
 }
 
-/// Ends the process without the end functions of libraries. Some wait for threads of theirs, which
-/// may never end: with little memory, OpenBLAS's threads (FFmpeg links it) repeat forever to
-/// allocate 128 MiB.
+/// Ends the process without the exit handlers of libraries. Some wait for their threads, which may
+/// never end: with little memory, OpenBLAS's threads (FFmpeg links it) try forever to allocate 128
+/// MiB.
 [[noreturn]] void endProcess(int exitCode) {
   std::fflush(nullptr);
 #ifdef __SANITIZE_ADDRESS__

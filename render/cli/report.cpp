@@ -235,9 +235,12 @@ std::vector<std::string> shortList(const std::vector<std::string>& files) {
 std::string describePictures(const record::PictureSettings& settings,
                              const record::PictureReport& report) {
   const record::RecordCost& cost = report.recordCost;
-  std::string text = fmt::format("{} frames: pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
-                                 report.videoFrames, cost.cpuSecondsRender, cost.cpuSecondsEncode,
-                                 cost.wallSeconds);
+  std::string text;
+  if (report.videoFrames > 0) {
+    text = fmt::format("{} frames: pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
+                       report.videoFrames, cost.cpuSecondsRender, cost.cpuSecondsEncode,
+                       cost.wallSeconds);
+  }
   if (report.stoppedAt)
     text += fmt::format("interrupted by {}: the video ends at {:.4g} s\n", report.stoppedBy,
                         *report.stoppedAt);

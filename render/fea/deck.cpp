@@ -580,9 +580,9 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
 //
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
 //
-// k is the stiffness (N m/rad), "rest" the angle without moment and "angle" that of the hinge in
-// the run (rad). The first term is a constant moment (*CLOAD). The second is the spring element of
-// the deck, which is at rest in the mesh's state. Neither program needs a pre-stressed spring.
+// k is the stiffness (N m/rad), "rest" the angle without moment and "angle" the hinge's angle
+// in the run (rad). The first term is a constant moment (*CLOAD). The second is the spring element
+// of the deck, which is at rest in the mesh's state. Neither program needs a pre-stressed spring.
 //
 // A hinge through the thickness has a patch on the bottom and on the top of each of its tiles. They
 // share the stiffness equally.
@@ -600,7 +600,7 @@ int patchOn(const ElementMesh& mesh, const NodeCluster& cluster, int tile) {
 }
 
 /// The locations of a spring between two tiles, without its stiffness. Searches all clusters for
-/// each spring: the cost is their number times that of springs.
+/// each spring: the cost is the number of clusters times the number of springs.
 std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int tileB) {
   std::vector<PatchSpring> places;
   for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
@@ -785,9 +785,9 @@ std::vector<NodeShare> endShares(const ElementMesh& mesh, int end) {
 
 // ------------------------------------------------------------------------------------------------
 // A node b lies in a cell that is n P_1 + m P_2 away from the cell of its leader a. Its motion is
-// that of a plus the contribution of the mean displacement gradient H, u_b = u_a + H (n P_1 + m
-// P_2). H has two control nodes, c_x = H e_x L_x and c_y = H e_y L_y, with displacements in the
-// sheet's axes:
+// that of a plus the contribution of the mean displacement gradient H,
+// u_b = u_a + H (n P_1 + m P_2). H has two control nodes, c_x = H e_x L_x and c_y = H e_y L_y, with
+// displacements in the sheet's axes:
 //
 //     u_b = u_a + R ((p_x / L_x) c_x + (p_y / L_y) c_y),   p = R^T (n P_1 + m P_2).
 //

@@ -609,9 +609,9 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 //
 // Elimination leaves of a column |J u| for a motion u with this unknown at 1. For a motion without
 // strain this is rounding times |u|. If corners have a gap g, J has the error g / s, and it is up
-// to g / s |u|. |u| is about the root of the number of unknowns n. Columns below root(n) (1e-8 + g
-// / s) are therefore free, but never those above 1e-3: a motion that opens joints by more than a
-// thousandth of its size is not a mechanism, for any g.
+// to g / s |u|. |u| is about the root of the number of unknowns n. Columns below
+// root(n) (1e-8 + g / s) are therefore free, but never those above 1e-3: a motion that opens joints
+// by more than a thousandth of its size is not a mechanism, for any g.
 
 namespace {
 
@@ -969,11 +969,11 @@ std::vector<NodeDisplacement> minSupports(const ElementMesh& mesh,
 // remainder of rounding, 1e-16 times the length of its motion, and not the root of that.
 //
 // A short pivot makes a motion long: with R_kk = 1e-6, an unknown j at 1 may move the unknown k by
-// R_kj / R_kk = 1e6. Holding j then barely holds that motion, and its remainder is that of a motion
-// far longer than 1. Unknowns that others would move by more than kMaxGrowth are not eliminated
-// but go to L (delayed pivots; I. S. Duff, J. K. Reid, The multifrontal solution of indefinite
-// sparse symmetric linear equations, ACM Trans. Math. Softw. 9, 1983). The last front eliminates
-// the longest columns first.
+// R_kj / R_kk = 1e6. Holding j then barely holds that motion, and its remainder is as large as for
+// a motion far longer than 1. Unknowns that others would move by more than kMaxGrowth are not
+// eliminated but go to L (delayed pivots; I. S. Duff, J. K. Reid, The multifrontal solution of
+// indefinite sparse symmetric linear equations, ACM Trans. Math. Softw. 9, 1983). The last front
+// eliminates the longest columns first.
 
 namespace {
 
@@ -1017,10 +1017,10 @@ class FrontalElimination {
 
   int place(int tile) const { return plan_.place[tile]; }
 
-  /// The equations of a front: those of its own tiles, and the remainders of its children. Columns
-  /// are those of the front's own tiles, six each, then those that its children delayed, then those
-  /// of `node.rows`. A child's remainder has its delayed columns and those of its own `rows`, whose
-  /// positions here are in `childPlaces`.
+  /// The equations of a front's own tiles, and the remainders of its children. The columns belong
+  /// first to the front's own tiles, six each, then to unknowns that its children delayed, then to
+  /// `node.rows`. The columns of a child's remainder belong to its delayed unknowns and to its own
+  /// `rows`, whose positions here are in `childPlaces`.
   Eigen::MatrixXd assemble(const mechanics::Supernode& node, Eigen::Index delayed) {
     Eigen::Index rows = 0;
     for (const int child : node.children) rows += leftOver_[child].equations.rows();

@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kAcrossNeck = 6;  ///< elements, at the default number per edge
 constexpr double kFinerAtCorners = 8;
-constexpr double kFinerAtEnds = 4;  ///< of shells
+constexpr double kFinerAtEnds = 4;  ///< only for shells
 /// Increase of element size per distance, metres per metre.
 constexpr double kMeshGrowth = 0.25;
 

@@ -35,7 +35,7 @@ struct EndEdges {
 /// The edges of polygons at each end of their sheet. An edge is at an end if its outward normal is
 /// within 45 degrees of the axis, both its corners are within `tileSize` (metres) of the extreme,
 /// and no polygon lies between it and the outside. The axes of a flat sheet in any plane are the
-/// sides of the smallest rectangle around it and its normal, x at most 45 degrees from that of
+/// sides of the smallest rectangle around it and its normal. Its x is at most 45 degrees from x of
 /// model::sheetFrame(). Other sheets have the world's axes. ZMIN and ZMAX of flat sheets are empty.
 /// If several rectangles are equal, or several sides for the longest axis, the positions of the
 /// links decide, since they rotate with the sheet. Polygons are anticlockwise seen from their

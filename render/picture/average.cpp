@@ -7,8 +7,8 @@
 // Opaque pictures, which most are, need no division by alpha: all four channels are means. Means
 // are of sRGB bytes and not of light.
 //
-// A sixth in whole numbers: round(s / 6) = ((s + 3) 43691) >> 18 for s up to 6 * 255, because 43691
-// = ceil(2^18 / 6).
+// A sixth in whole numbers: round(s / 6) = ((s + 3) 43691) >> 18 for s up to 6 * 255, because
+// 43691 = ceil(2^18 / 6).
 #include <array>
 #include <cstddef>
 #include <cstdint>

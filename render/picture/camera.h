@@ -99,8 +99,8 @@ std::optional<int> brickAround(const std::vector<brick::Brick>& bricks, const Po
 /// the start and at the target together).
 std::vector<Vector3> brickCorners(const std::vector<brick::Brick>& bricks, const Poses& poses);
 
-/// The 4 x 4 matrix from world axes to clip coordinates, for pictures of this aspect (width /
-/// height). For column vectors: clip = matrix * (x, y, z, 1).
+/// The 4 x 4 matrix from world axes to clip coordinates, for pictures of this aspect
+/// (width / height). For column vectors: clip = matrix * (x, y, z, 1).
 Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect);
 
 // ------------------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ class Context {
 std::string graphicsVersion();
 
 // ------------------------------------------------------------------------------------------------
-// A library that makes OpenGL contexts without a screen; each is used in one source file only.
+// Interface to a library that makes OpenGL contexts without a screen.
 
 /// One OpenGL 3.3 core context. Made, used and destroyed on one thread.
 class Backend {
@@ -83,11 +83,12 @@ std::unique_ptr<Backend> makeEglBackend();
 // ------------------------------------------------------------------------------------------------
 // A picture in the graphics context as a drawing target.
 
-/// A framebuffer object with RGBA8 colours and depth. Belongs to the context current when made.
+/// A framebuffer object with RGBA8 colours and depth. Belongs to the context that is current when
+/// it is made.
 class Framebuffer {
  public:
-  /// Throws OutputError when the driver refuses the size or lacks the memory. Both sides in pixels,
-  /// at least 1.
+  /// `width` and `height`: pixels, >= 1. Throws OutputError if the driver refuses the size or has
+  /// too little memory.
   Framebuffer(int width, int height);
   ~Framebuffer();
   Framebuffer(const Framebuffer&) = delete;
@@ -99,11 +100,10 @@ class Framebuffer {
   /// Directs draws to this framebuffer from now on.
   void drawInto() const;
 
-  /// Copies a box of pixels out as RGBA, rows in OpenGL's order (row 0 is where y is 0). The box's
-  /// right and last row are not in it. rowPixels: pixels from one row's start to the next in the
-  /// destination. Waits for all drawing to end. Throws OutputError when the driver ran out of
-  /// memory on the way. `pixels` has room for rowPixels x height of the box x 4 bytes, less what
-  /// follows the last row.
+  /// Copies a box of pixels as RGBA, the lowest row first, as in OpenGL. The box excludes its
+  /// maximum column and row. Waits for all drawing to end. `rowPixels`: pixels from the start of a
+  /// row of `pixels` to the next. `pixels` holds 4 bytes per pixel, up to the end of the last row.
+  /// Throws OutputError if the driver has run out of memory.
   void read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const;
 
  private:
@@ -116,7 +116,8 @@ class Framebuffer {
 // ------------------------------------------------------------------------------------------------
 // A linked pair of shaders.
 
-/// A vertex and a fragment shader in GLSL 3.30, linked. Belongs to the context current when made.
+/// A vertex and a fragment shader in GLSL 3.30, linked. Belongs to the context that is current when
+/// it is made.
 class Program {
  public:
   /// Throws OutputError with the compiler's message if the sources do not compile or link.
@@ -125,7 +126,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  /// Makes this program current, until another program is.
+  /// Makes this program current until another one is used.
   void use() const;
 
   /// Sets a uniform of the program in use. `name` as in the shader's source; a name that no shader

@@ -373,7 +373,7 @@ std::string partOf(const std::string& text, const std::u32string& letters, std::
   return text.substr(bytesOf(letters, 0, first), bytesOf(letters, first, end));
 }
 
-/// From left to right. starts: the first character of each glyph's cluster.
+/// The clusters from left to right. `starts`: the first character of each glyph's cluster.
 std::vector<GlyphCluster> clustersOf(const std::vector<std::size_t>& starts, const Span& span,
                                      const std::string& text, const std::u32string& letters) {
   std::vector<GlyphCluster> clusters;
@@ -474,7 +474,7 @@ struct LabelWriter::Fonts {
     return result;
   }
 
-  /// In reading order.
+  /// The spans in reading order.
   std::vector<Span> spansOf(const std::u32string& letters,
                             const std::vector<FriBidiLevel>& levels) {
     const std::vector<hb_script_t> scripts = scriptsOf(letters);

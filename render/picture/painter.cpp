@@ -241,7 +241,7 @@ class LineDrawer {
   }
 
  private:
-  /// From the upper left corner.
+  /// Pixels from the upper left corner.
   Eigen::Vector2d toPixels(const Vector3& point) const {
     const Eigen::Vector4d clip = clipFromWorld_ * point.homogeneous();
     return {0.5 * (1 + clip.x() / clip.w()) * size_.width,
@@ -307,7 +307,7 @@ class MeshBuffer {
                  indices.data(), GL_STREAM_DRAW);
   }
 
-  /// In pieces, since a draw call cannot be interrupted.
+  /// Draws in pieces, since a draw call cannot be interrupted.
   static void draw(int first, int end) {
     for (; first < end; first += kIndicesDrawn) {
       checkInterruption();
@@ -566,8 +566,8 @@ void Painter::Parts::drawLayers() const {
   glDisable(GL_BLEND);
 }
 
-/// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
-/// = width of the picture / width of the part, and the same for y, which points up.
+/// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with
+/// sx = width of the picture / width of the part, and the same for y, which points up.
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples->drawInto();

@@ -74,8 +74,8 @@ struct SampleRows {
 };
 
 /// Writes one row of `count` pixels, straight alpha: the mean of each pixel's samples, in each
-/// channel the nearest byte, halves up. Only the means of the colours that show count where samples
-/// are transparent. `pixels` has room for 4 count bytes. Called for each row of a part that is read
+/// channel the nearest byte, halves up. Transparent samples do not count in the means of
+/// the colours. `pixels` has room for 4 count bytes. Called for each row of a part that is read
 /// back, so it decides a good part of the time of a picture.
 void averageRow(const SampleRows& rows, int count, std::uint8_t* pixels);
 

@@ -227,10 +227,10 @@ std::vector<VisibleOutline> visibleOutlines(const PictureGeometry& geometry,
                                             double silhouetteWidth);
 
 /// Sorts facets that face the camera, so each may hide only previous ones. Facets on both sides of
-/// another's plane are cut (binary space partition; Fuchs, Kedem and Naylor 1980). Also correct for
-/// crossing facets. The camera is in front of a facet's plane, and everything behind the plane
-/// comes first. Cutting may increase the number of pieces. Throws Interrupted if the user ends the
-/// program.
+/// another's plane are cut (binary space partition; Fuchs, Kedem and Naylor 1980). It is also
+/// correct for crossing facets. The camera is in front of a facet's plane, and everything behind
+/// the plane comes first. Cutting may increase the number of pieces. Throws Interrupted if the user
+/// ends the program.
 std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 
 }  // namespace kirireel::picture

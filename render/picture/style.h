@@ -44,7 +44,7 @@ struct BrickColours {
 };
 
 /// Colours of a brick with one base colour: darker sides, and a muted bottom: half as colourful,
-/// and darker, or paler than a dark colour. The defaults above are like those of their top.
+/// and darker, or paler than a dark colour. The defaults above follow this rule from their top.
 BrickColours shadesOf(Colour colour);
 
 /// The same colours with an opacity, from 0 (not drawn) to 1 (opaque). A lower opacity shows what
@@ -100,7 +100,7 @@ Style darkStyle();
 ///   round(min(255, base * (1 - occlusion * occluded)
 ///                       * (ambient + key.strength * max(0, normal . key.direction)
 ///                                  + fill.strength * max(0, normal . fill.direction))))
-/// on sRGB bytes without conversion. Alpha is that of the base. normal: unit, outward, picture
+/// on sRGB bytes without conversion. Alpha is the base's. normal: unit, outward, picture
 /// axes, +z for a face seen face on. occluded: see Occluders, 0 to 1.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);
 

@@ -296,9 +296,8 @@ struct DeployedRun : MemoryRun {
 
 // ---- arrays
 
-/// A view of numbers in memory that `owner` keeps alive.
+/// A view of numbers in memory that `owner`, NumPy's `base`, keeps alive.
 template <typename T>
-/// NumPy's `base` is the owner, so an array keeps its run alive.
 py::array view(const T* data, const std::vector<py::ssize_t>& shape,
                const std::vector<py::ssize_t>& strides, const py::object& owner) {
   py::array array(py::dtype::of<T>(), shape, strides, data, owner);

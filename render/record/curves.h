@@ -30,11 +30,11 @@ struct PlottedRun {
   std::string name;  ///< in the names of its lines, if there are several runs
   std::vector<trajectory::CurveGroup> groups;
   PlotAbscissa abscissa;  ///< with a value for each sample of the curves
-  /// Whether the line from each sample to the next is dashed. Empty: no line is.
+  /// Whether the line from each sample to the next is dashed. Empty: no line is dashed.
   std::vector<bool> isDashed = {};
   bool isLoadCurve = false;  ///< of a run that also has other curves, see loadCurvesOf()
-  /// Smaller values of logarithmic groups are rounding, in the groups' unit. A diagram of only such
-  /// values says so; others begin there.
+  /// Smaller values of logarithmic groups are rounding, in the groups' unit. A diagram of only
+  /// such values reports this. The axes of others begin there.
   double rounding = 0;
 };
 
@@ -111,7 +111,7 @@ std::vector<trajectory::CurveGroup> selectCurves(const std::vector<trajectory::C
                                                  const char* option = "--curves");
 
 /// The force of each grip that moves or pushes over its displacement, one curve per direction of a
-/// [[grip]]; moments over rotations. Dashed where the equilibria are unstable. `modelSize`: metres.
+/// [[grip]]; moments over rotations. Lines are dashed at unstable equilibria. `modelSize`: metres.
 /// Displacements are in `unit`.
 std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
                                      double modelSize, const LengthUnit& unit = {});

@@ -214,7 +214,7 @@ class LiveRun {
 
   /// Samples and news of the search may be far apart.
   void endLongStep() {
-    if (!InterruptionCatcher::isThere() || Clock::now() - reportedAt_ < kPatience) return;
+    if (!InterruptionCatcher::exists() || Clock::now() - reportedAt_ < kPatience) return;
     if (!reportProgress(stage_, share_)) throw Interrupted();
   }
 

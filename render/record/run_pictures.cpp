@@ -563,8 +563,8 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 // laid out, and written as PNG. SVG and PDF draw the same layout from the geometries, without
 // pixels.
 //
-// With W millimetres and d dots per inch the sheet is W d / 25.4 pixels wide. Text of p points is p
-// / 72 inches high at any width.
+// With W millimetres and d dots per inch the sheet is W d / 25.4 pixels wide. Text of p points is
+// p / 72 inches high at any width.
 
 namespace {
 

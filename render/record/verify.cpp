@@ -282,9 +282,8 @@ class Verifier {
     brick::Elasticity found = brick::elasticityOf(forces, start, end);
     if (panels) trajectory::setElasticity(*panels, found);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
-      // Summaries of earlier releases do not have all kinds.
       const std::string name = kind.name.counted;
-      compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
+      compare(output::kSummary, "elasticity." + name, stated.at(name), found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(brick::Elasticity::fields())) {
       compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),

@@ -183,9 +183,8 @@ std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
   return text;
 }
 
-/// "12 with 3 vertices, 4 with 4".
+/// "12 with 3 vertices, 4 with 4". `pattern` has one placeholder for the count and one for the key.
 template <typename Map>
-/// `pattern` has one placeholder for the count and one for the key.
 std::string countsText(const Map& counts, const char* pattern) {
   std::string text;
   for (const auto& [key, count] : counts) {
@@ -321,8 +320,8 @@ constexpr picture::Colour kTileNumber = {20, 30, 44};
 constexpr picture::Colour kVertexNumber = {150, 30, 30};
 constexpr picture::Colour kIgnoredLine = {30, 90, 200};
 
-/// A point in the tile for its number: the centroid, or for a concave tile that of its largest
-/// part, since the tile's own may lie outside.
+/// A point in the tile for its number: its centroid. The centroid of a concave tile may lie
+/// outside, so its largest part is used.
 Vector3 middleOf(const model::Tile& tile) {
   model::Tile largest;
   for (const model::PolygonPart& part :

@@ -757,7 +757,7 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
     shape.*length = 0.5 * (good + bad);
     (fits(model, sheet, shape) ? good : bad) = shape.*length;
   }
-  // Not the limit itself, which rounding could exceed.
+  // A margin, since rounding could exceed the limit itself.
   return good < bad ? 0.99 * good : 1.01 * good;
 }
 

@@ -83,7 +83,7 @@ struct PatternLine {
 
 /// The lines of the model's start. Around each joint a neck of material remains: the edges of the
 /// narrower gap between its two tiles end the hinge width (metres, > 0) before the joint, which
-/// keeps the sheet in one piece. The default width is that of each joint's neck, else a twentieth
+/// keeps the sheet in one piece. The default is the width of each joint's neck, else a twentieth
 /// of the tile size. Edges are shared if they coincide completely, within 1e-4 of the tile size.
 ///
 /// Throws InputError for a start that is not flat or has tiles with opposite orientations, for

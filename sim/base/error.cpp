@@ -21,10 +21,11 @@ InputError inputErrorAt(const FileLocation& location, const std::string& message
 
 // ------------------------------------------------------------------------------------------------
 // Edit distance, and texts made safe for a terminal. The distance of two words is computed by
-// dynamic programming over their prefixes, d(i, j) = min(d(i-1, j) + 1, d(i, j-1) + 1, d(i-1, j-1)
-// + (0 if the letters are equal, else 1)), in O(a b) time and O(b) memory: V. I. Levenshtein,
-// Binary codes capable of correcting deletions, insertions and reversals, Soviet Physics Doklady
-// 10, 1966.
+// dynamic programming over their prefixes,
+//   d(i, j) = min(d(i-1, j) + 1, d(i, j-1) + 1, d(i-1, j-1) + (0 if the letters are equal, else
+//   1)),
+// in O(a b) time and O(b) memory: V. I. Levenshtein, Binary codes capable of correcting deletions,
+// insertions and reversals, Soviet Physics Doklady 10, 1966.
 
 int editDistance(std::string_view a, std::string_view b) {
   // One row of the distance table at a time: row[j] turns the first i letters of a into j of b.

@@ -45,7 +45,7 @@ InterruptionCatcher::~InterruptionCatcher() {
   --catchers;
 }
 
-bool InterruptionCatcher::isThere() {
+bool InterruptionCatcher::exists() {
   return catchers > 0;
 }
 

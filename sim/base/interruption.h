@@ -19,8 +19,8 @@ class Interrupted : public std::exception {
 /// scope, possibly from several at once.
 using InterruptionCheck = std::function<void()>;
 
-/// While it lives, checkInterruption() on this thread calls `check`, after those of the scopes
-/// around it. Scopes end in the reverse order of their beginning.
+/// While it lives, checkInterruption() on this thread calls `check`. It calls the checks of outer
+/// scopes first. Scopes end in the reverse order of their beginning.
 class InterruptionScope {
  public:
   /// Adds a check to its thread for the scope's lifetime. Scopes may be nested.
@@ -48,19 +48,20 @@ class InterruptionCatcher {
   InterruptionCatcher& operator=(const InterruptionCatcher&) = delete;
 
   /// Whether a catcher exists on this thread.
-  static bool isThere();
+  static bool exists();
 };
 
 /// Long loops poll it. It runs the checks of this thread's scopes, at most every 10 ms. If it
 /// throws, the caller must discard or restore its results.
 void checkInterruption();
 
-/// The checks that checkInterruption() calls on this thread now, for a scope of a worker thread.
+/// The checks that checkInterruption() calls on this thread now. A worker thread opens a scope with
+/// them.
 /// This thread's scopes must outlive that scope.
 InterruptionCheck presentChecks();
 
 // ------------------------------------------------------------------------------------------------
-// Time that the processor spent.
+// CPU time.
 
 /// CPU seconds that the calling thread has used so far.
 double threadCpuSeconds();

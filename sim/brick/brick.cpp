@@ -2,9 +2,9 @@
 //
 // A prism over a polygon with area S (m^2) and thickness t (m) has, for mass 1, the covariance
 //   C = (1/S) integral of x x^T over the area + t^2 / 12 n n^T          m^2
-// about its centre of mass, with the unit normal n. The second term is that of a rod along n. The
-// inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the exact signed
-// sum over the triangles between its centroid and its edges. Concave polygons need no
+// about its centre of mass, with the unit normal n. The second term is the covariance of a rod
+// along n. The inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the
+// exact signed sum over the triangles between its centroid and its edges. Concave polygons need no
 // triangulation.
 //
 // A fixed joint becomes three point joints. Three non-collinear points constrain all six relative

@@ -24,7 +24,6 @@ struct BrickRule {
   MassRule mass = MassRule::Unit;  ///< the inertia is always the true prism's, scaled to the mass
   double density = 1000;           ///< kg/m^3, used by MassRule::Prism
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<BrickRule>(field("thickness", &BrickRule::thickness, "m"),
                                      field("mass", &BrickRule::mass),
@@ -46,7 +45,6 @@ struct Brick {
   /// if the brick is convex.
   std::vector<model::PolygonPart> parts;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Brick>(
         field("bottom", &Brick::bottom, "m"), field("top", &Brick::top, "m"),

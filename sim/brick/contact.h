@@ -25,7 +25,6 @@ struct Load {
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, semidefinite part
   Matrix6 damping = Matrix6::Zero();    ///< minus the derivative by velocity
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Load>(field("force", &Load::force), field("stiffness", &Load::stiffness),
                                 field("damping", &Load::damping));
@@ -78,7 +77,6 @@ struct Contact {
 
   bool operator==(const Contact&) const = default;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Contact>(
         field("brick_a", &Contact::brickA), field("brick_b", &Contact::brickB),

@@ -136,7 +136,6 @@ struct Ligament {
   /// Whether its length is 0.
   bool isPin() const { return start.isZero(); }
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Ligament>(
         field("brick_a", &Ligament::brickA), field("brick_b", &Ligament::brickB),
@@ -148,8 +147,8 @@ struct Ligament {
   }
 };
 
-/// Sets the stiffnesses of a neck as a Timoshenko beam. With A = w t, I = t w^3 / 12, G = E / (2 (1
-/// + nu)) and the shear factor 5/6:
+/// Sets the stiffnesses of a neck as a Timoshenko beam. With A = w t, I = t w^3 / 12,
+/// G = E / (2 (1 + nu)) and the shear factor 5/6:
 ///   stretch = E A / L,   1 / shear = L / (12 E I) + 1 / (5/6 G A L).
 /// Metres, Pa; all positive. The tiles at both ends are assumed rigid.
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
@@ -227,7 +226,6 @@ struct Elasticity {
   /// Number of pairs of the force with this name.
   int count(const std::string& name) const;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Elasticity>(field("counts", &Elasticity::counts),
                                       field("energy_start", &Elasticity::energyStart, "J"),

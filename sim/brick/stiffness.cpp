@@ -31,8 +31,8 @@
 //   s = (s_A + b_A (x_A - x)^2 + s_B + b_B (x_B - x)^2) / 2
 // Decks of 60 next to 120 degrees agree within 1% at 0.05 sides, with the values of rhombi.
 //
-// A neck with a length between other tiles uses their b in place of that of squares, scaled by the
-// same factor as e falls with the length:
+// Between other tiles, a neck with a length uses their b instead of the b of squares. It is scaled
+// by the same factor as e, which falls with the length:
 //   k = E t w^2 / (12 L / w + b e(L / w) / e(0))
 #include "sim/brick/stiffness.h"
 
@@ -167,8 +167,8 @@ double neckBegin(double width, double length, const std::array<NeckCorner, 2>& t
 }  // namespace
 
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles) {
-  // The axis of a neck's own bending lies in its middle, that of its ends as in cornerRow(). The
-  // weights are their angles under the same moment: L / w and e.
+  // A neck bends about its middle, and its ends about the axis of cornerRow(). The weights are
+  // their angles under the same moment: L / w and e.
   constexpr double kOwn = 0.5;  ///< widths
   const CornerNeckRow row = cornerRow(width, tiles);
   const double widths = length / width, ends = endsBetween(width, length, row);

@@ -43,10 +43,10 @@ NeckCorner neckCorner(const Brick& brick, int corner);
 
 /// Distance of such a neck's axis from the tiles' common corner along the slit, metres. Tiles turn
 /// about this axis under a moment, and a force through it turns no tile. It is the mean of two
-/// axes, weighted by compliance: that of the neck itself, in its middle, and that of its ends
-/// (cornerNeck()). The ends of a closed slit are more compliant on the slit's side. A neck with a
-/// length begins where both tiles have begun at its ends. This is beyond the corner for acute
-/// corners and before it for obtuse ones.
+/// axes, weighted by compliance: the middle of the neck, and the axis of its ends (cornerNeck()).
+/// The ends of a closed slit are more compliant on the slit's side. A neck with a length begins
+/// where both tiles have begun at its ends. This is beyond the corner for acute corners and before
+/// it for obtuse ones.
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles);
 
 /// Stiffness of a neck of length 0, which comes from its tiles. It is planar and refers to the
@@ -73,8 +73,8 @@ CornerNeck cornerNeck(double youngs, double thickness, double width,
                       const std::array<NeckCorner, 2>& tiles);
 
 /// Rotational stiffness, N m/rad, of a neck between two tiles with these corners next to a closed
-/// slit. Length 0: bending of cornerNeck(). Otherwise the compliance of its ends, in
-/// neckStiffness() that of squares, is scaled by the ratio at length 0.
+/// slit. Length 0: bending of cornerNeck(). Otherwise the neck's ends have the
+/// compliance between squares, scaled by the ratio of both at length 0.
 double neckStiffness(double youngs, double thickness, double width, double length,
                      const std::array<NeckCorner, 2>& tiles);
 
@@ -86,15 +86,15 @@ double neckStiffness(double youngs, double thickness, double width, double lengt
 // nonlinear structural analysis of origami assemblages using the MERLIN2 software, Origami 7,
 // 2018. Young's modulus in Pa, lengths in metres, all positive.
 
-/// The cross-section of the three bars at the sides of a triangle, square metres: A = 2 S t / ((1 -
-/// nu) (a + b + c)), S its area. Under equal strain in all directions the bars store the same
-/// energy as a plate.
+/// The cross-section of the three bars at the sides of a triangle, square metres:
+/// A = 2 S t / ((1 - nu) (a + b + c)), S its area. Under equal strain in all directions the bars
+/// store the same energy as a plate.
 double barArea(const std::array<Vector3, 3>& triangle, double thickness, double poisson);
 
-/// Rotational stiffness, N m/rad, of a tile that bends about a diagonal of length D: k = C E t^3 /
-/// (12 (1 - nu^2)) (D / t)^(1/3), C = 0.55 - 0.42 s / pi, C >= 0.05. s is the sum of the deviations
-/// from right angles over the four corners around the diagonal. A thin sheet with restrained edges
-/// bends along a ridge, which gives the third root.
+/// Rotational stiffness, N m/rad, of a tile that bends about a diagonal of length D:
+/// k = C E t^3 / (12 (1 - nu^2)) (D / t)^(1/3), C = 0.55 - 0.42 s / pi, C >= 0.05. s is the sum of
+/// the deviations from right angles over the four corners around the diagonal. A thin sheet with
+/// restrained edges bends along a ridge, which gives the third root.
 double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, double youngs,
                      double poisson, double thickness);
 

@@ -151,7 +151,6 @@ struct SeparatingPlane {
 
   bool operator==(const SeparatingPlane&) const = default;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<SeparatingPlane>(
         field("kind", &SeparatingPlane::kind), field("a", &SeparatingPlane::a),

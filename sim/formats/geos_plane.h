@@ -22,7 +22,7 @@ class GeosPlane {
   GEOSGeometry* united(const std::vector<PlaneRing>& rings);
   GEOSGeometry* difference(const GEOSGeometry* a, const GEOSGeometry* b);
   GEOSGeometry* sum(const GEOSGeometry* a, const GEOSGeometry* b);
-  /// With mitred corners. `by`: metres, < 0 to shrink.
+  /// The polygons offset by `by` metres with mitred corners; < 0 shrinks them.
   GEOSGeometry* grown(const GEOSGeometry* a, double by);
   double area(const GEOSGeometry* a);
 

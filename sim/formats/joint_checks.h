@@ -29,9 +29,9 @@ struct JointTable {
   int countsFrom = 0;          ///< the file's first tile and vertex
 };
 
-/// Stores the neck of the file's joint row `joint` (zero-based). Lengths are valid if width > kerf
-/// / 2, length >= kerf and kerf >= 0. Throws InputError at this location for other lengths, for a
-/// joint that does not exist, and for a second neck of one joint.
+/// Stores the neck of the file's joint row `joint` (zero-based). Lengths are valid if
+/// width > kerf / 2, length >= kerf and kerf >= 0. Throws InputError at this location for other
+/// lengths, for a joint that does not exist, and for a second neck of one joint.
 void setNeck(int joint, const model::Neck& neck, const FileLocation& location, JointTable& table);
 
 /// Whether all tiles and vertices of the rows exist after adding `shift` to their numbers. `shift`

@@ -34,9 +34,9 @@ std::vector<OpeningTip> openingTips(const std::vector<PlaneRing>& rings, double 
 std::vector<CutRay> traceTips(const std::vector<OpeningTip>& tips, const Arrangement& lines,
                               double tolerance);
 
-/// The largest width of a neck at a tip, metres. With other necks, twice their largest width
-/// `known`. Otherwise in the longest interval without a ray's width, as a ratio. `area`, `faces`:
-/// of the sheet without tips; half of a tile's size is the upper limit.
+/// The largest width of a neck at a tip, metres, at most half of a tile's size. If there are other
+/// necks, it is twice their largest width `known`. Otherwise it lies in the largest gap, as a
+/// ratio, between the widths of the rays. `area`, `faces`: of the sheet without tips.
 double widestTip(const std::vector<CutRay>& rays, double known, double area, int faces);
 
 }  // namespace kirireel::formats

@@ -17,8 +17,8 @@
 // All tolerances are fractions of the pattern's size: 1e-7 for points, ten times that for ends
 // computed from a neck, a hundred times that for lines that point at a joint. In a drawing with
 // fewer digits they are 2, 4 and 6 units of the last digit. The direction of a line of length L has
-// the tolerance of points / L. A distance d beyond its end, the line is off by d / L as much as its
-// ends.
+// the tolerance of points / L. At a distance d beyond its end, the line deviates by d / L
+// times the error of its ends.
 #include "sim/formats/own_pattern.h"
 
 #include <algorithm>

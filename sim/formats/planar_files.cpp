@@ -64,7 +64,7 @@ std::string prefixOf(const fs::path& vertices) {
 }
 
 // All text files in the folder of this file, by name.
-std::vector<fs::path> textFilesBeside(const fs::path& file) {
+std::vector<fs::path> textFilesNextTo(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::vector<fs::path> files;
   // A folder that cannot be listed counts as empty: opening the named file gives a better message.
@@ -91,7 +91,7 @@ std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path
 
 /// The files of a model with this content.
 std::vector<fs::path> partsOfModel(const fs::path& vertices, const std::string& word) {
-  const std::vector<fs::path> siblings = textFilesBeside(vertices);
+  const std::vector<fs::path> siblings = textFilesNextTo(vertices);
   std::vector<fs::path> parts;
   for (const fs::path& file : siblings) {
     if (wordOf(file) == word && ownerOf(file, siblings) == vertices) parts.push_back(file);
@@ -111,7 +111,8 @@ bool contains(const std::vector<fs::path>& files, const fs::path& file) {
   return std::find(files.begin(), files.end(), file) != files.end();
 }
 
-// The user's choice, else the matching list, else the default name, else the only list.
+// The list that the user named, else the list that belongs to the named hull, else the list with
+// the default name, else the only list.
 fs::path chosenList(const fs::path& named, const fs::path& vertices,
                     const std::vector<fs::path>& lists) {
   if (wordOf(named) == kConstraints) return named;
@@ -165,7 +166,7 @@ bool isJointList(const fs::path& file) {
 
 fs::path planarVertices(const fs::path& file) {
   if (wordOf(file) == kVertices) return file;
-  const std::optional<fs::path> owner = ownerOf(file, textFilesBeside(file));
+  const std::optional<fs::path> owner = ownerOf(file, textFilesNextTo(file));
   if (owner) return *owner;
   throw inputErrorAt(
       {file},

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Another list of joints requires a format that has the list in its own file.
+/// Refuses another list of joints for a format that contains its joints.
 void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
   throw inputErrorAt(
@@ -37,7 +37,7 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
       "this file contains its joints. Remove `joints_file`, or convert the model to a folder");
 }
 
-/// Options of one format are refused for another.
+/// Refuses options that are for other formats.
 void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
   const std::string ending = endingOf(path);
   const auto require = [&](bool isGiven, bool isOwn, const char* option, const char* formats) {
@@ -88,7 +88,7 @@ bool isPlanarFolder(const fs::path& folder) {
   return isFile(vertices) && holdsPlanarModel(vertices);
 }
 
-// Requires the same number of tiles and the same number of vertices in each.
+// Throws unless both models have the same tiles, with the same numbers of vertices.
 void requireSameTiles(const model::Model& model, const model::Model& other, const fs::path& path) {
   const auto same = [](const model::Tile& a, const model::Tile& b) {
     return a.vertices.size() == b.vertices.size();
@@ -378,7 +378,7 @@ std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   return pulled;
 }
 
-/// "tile vertex" pairs. The messages are those of joints.
+/// "tile vertex" pairs.
 std::vector<model::Corner> readHull(const fs::path& file, const std::vector<model::Tile>& tiles) {
   TextTable text(file, kHullPurpose);
   std::vector<model::Corner> hull;

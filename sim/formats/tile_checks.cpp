@@ -128,8 +128,8 @@ bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal)
     const Vector3 after = vertices[(k + 1) % count] - vertices[k];
     const double area = before.cross(after).dot(normal);
     if (area <= 0) return false;
-    // The exterior angles of a simple polygon add up to 2 pi, those of a star with two turns to 4
-    // pi. The limit lies between them.
+    // The exterior angles of a simple polygon add up to 2 pi. A star with two turns has 4 pi. The
+    // limit lies between them.
     turned += std::atan2(area, before.dot(after));
   }
   return turned < 3 * std::numbers::pi;

@@ -14,7 +14,7 @@ namespace kirireel::formats {
 // counts in that case. Files with 15 or more significant digits were not rounded, except to single
 // precision.
 
-/// The last place of the coordinates, metres: decimal, such as 0.001, or that of a float if a
+/// The last place of the coordinates, metres: decimal, such as 0.001, or binary if a
 /// program in single precision wrote them. 0 if the coordinates have all their digits.
 double lastPlace(const std::vector<model::Tile>& tiles);
 

@@ -620,9 +620,9 @@ model::Model withBentSides(const model::Model& model, const std::vector<bool>& b
 // ------------------------------------------------------------------------------------------------
 // Sheets of regular polygons of two kinds, from one formula as for lattices of quads.
 //
-// Let c be the centre of a tile of kind 0 (complex, m), d that of a neighbour of another kind, and
-// r a complex ratio that is the same for all pairs. Their common corner is at c + r (d - c) in the
-// closed sheet, and at
+// Let c be the centre of a tile of kind 0 (complex, m), d the centre of a neighbour of another
+// kind, and r a complex ratio that is the same for all pairs. Their common corner is at
+// c + r (d - c) in the closed sheet, and at
 //   v(theta) = (1 - r) c e^(i theta/2) + r d e^(-i theta/2)
 // after neighbours have turned by theta (radians). The corners of a tile of kind 0 have the same c.
 // They differ only by terms in d, which rotate by -theta/2, so the tile is rigid. Other tiles
@@ -646,7 +646,8 @@ struct RotorPlace {
 };
 
 /// An edge-to-edge pattern of tiles. Kind 0 has only neighbours of other kinds. Let c be the centre
-/// of a tile of kind 0 and d that of a neighbour. Their common corner is c + ratio (d - c). So
+/// of a tile of kind 0 and d the centre of a neighbour. Their common corner is c + ratio (d - c).
+/// So
 ///   v(theta) = (1 - ratio) c e^(i theta / 2) + ratio d e^(-i theta / 2)
 /// keeps all tiles rigid and all joints closed at every theta.
 struct Pattern {

@@ -30,11 +30,11 @@ std::vector<model::Joint> latticeJoints(const Lattice& lattice, model::JointFace
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
     const Cell cell = lattice.cellOf(tile);
     const bool even = isEven(cell);
-    // To the right: top right with top left, or bottom right with bottom left.
+    // The right neighbour: its top left corner joins our top right one, or the bottom ones join.
     if (cell.column + 1 < lattice.columns) {
       joints.push_back({{tile, even ? 2 : 1}, {tile + lattice.rows, even ? 3 : 0}, face});
     }
-    // Upwards: top left with bottom left, or top right with bottom right.
+    // The upper neighbour: its bottom left corner joins our top left one, or the right ones join.
     if (cell.row + 1 < lattice.rows) {
       joints.push_back({{tile, even ? 3 : 2}, {tile + 1, even ? 0 : 1}, face});
     }

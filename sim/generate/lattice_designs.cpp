@@ -2,10 +2,10 @@
 // outlines in two states.
 //
 // A corner's position v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) is linear in the
-// constants. A void is closed at theta = 0 and pi if F11 - F00 = s lambda (F10 - F01). With lambda
-// = 1 (rhombic voids) all equations are linear, and one solve gives the best sheet: fan, heart and
-// irregular quads. With variable lambda, log lambda becomes an unknown, which keeps lambda
-// positive, and the fit is nonlinear: square to disk, square to circle.
+// constants. A void is closed at theta = 0 and pi if F11 - F00 = s lambda (F10 - F01). With
+// lambda = 1 (rhombic voids) all equations are linear, and one solve gives the best sheet: fan,
+// heart and irregular quads. With variable lambda, log lambda becomes an unknown, which keeps
+// lambda positive, and the fit is nonlinear: square to disk, square to circle.
 //
 // Half voids at the sides have lambda = 1. A sheet that is closed in both states needs all of them.
 // A sheet whose second state may be open needs only those that close at theta = 0.
@@ -349,8 +349,8 @@ TurningField irregularField(const Lattice& lattice, double irregularity, unsigne
 //
 // Positions and constants are complex numbers. The unknowns are their real and imaginary parts. A
 // row is the component along a direction d, d . z = Re(conj(d) z), of a sum of c F over positions.
-// Its derivatives are d . c by Re F and d . (i c) by Im F. c is e^(-i theta/2) at the odd and e^(i
-// theta/2) at the even position of a corner, or +-1 and +-lambda in a block.
+// Its derivatives are d . c by Re F and d . (i c) by Im F. c is e^(-i theta/2) at the odd and
+// e^(i theta/2) at the even position of a corner, or +-1 and +-lambda in a block.
 //
 // Positions just outside the sheet also have constants, which define the free corners at its sides.
 // The four diagonally outside positions belong to no corner and to no used block.

@@ -380,7 +380,7 @@ struct SharedEdge {
   int to = 0;
 };
 
-// Only between kept tiles.
+// The edges between kept tiles.
 std::vector<SharedEdge> sharedEdges(const Tiling& tiling, const std::vector<int>& kept) {
   std::map<std::pair<int, int>, int> runners;
   std::vector<SharedEdge> edges;

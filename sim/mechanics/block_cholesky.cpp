@@ -203,10 +203,10 @@ Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>
 // H = L L^T, front by front. A supernode with the columns C and the rows R below them has the dense
 // front
 //   F = [F_CC .; F_RC F_RR] = its own blocks of H + the updates of its children.
-// Its panel of |C| columns is kept: F_CC = L_CC L_CC^T, L_RC = F_RC L_CC^-T. The remainder, F_RR -
-// L_RC L_RC^T, is the update of its parent. It waits on a stack, because children come directly
-// before their parent. A solve passes up through the fronts with L^-1 and down again with L^-T.
-// Liu, "The multifrontal method for sparse matrix solution: theory and practice", 1992.
+// Its panel of |C| columns is kept: F_CC = L_CC L_CC^T, L_RC = F_RC L_CC^-T. The remainder,
+// F_RR - L_RC L_RC^T, is the update of its parent. It waits on a stack, because children come
+// directly before their parent. A solve passes up through the fronts with L^-1 and down again with
+// L^-T. Liu, "The multifrontal method for sparse matrix solution: theory and practice", 1992.
 
 namespace {
 

@@ -21,8 +21,8 @@ struct DenseKernels {
   /// of the factor stores reciprocals. Returns false if the pivot block is not positive definite.
   bool (*eliminate)(double* panel, int rows, int columns, double* update);
 
-  /// For x with one value per row and zeros as padding: top = L^-1 top. Subtracts (rows below) *
-  /// top from the rows below.
+  /// For x with one value per row and zeros as padding: top = L^-1 top. Subtracts
+  /// (rows below) * top from the rows below.
   void (*solveForward)(const double* panel, int rows, int columns, double* x);
 
   /// top = L^-T (top - (rows below)^T * below).

@@ -1,5 +1,5 @@
-// Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in n_j
-// = j Euler steps; their error is a power series in H / n_j. By Aitken and Neville
+// Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in
+// n_j = j Euler steps; their error is a power series in H / n_j. By Aitken and Neville
 //   T_k = sum_j c_j row_j,   c_j = prod_{i != j} n_j / (n_j - n_i),
 // over the rows 1 to k is of order k, and over the rows 2 to k of order k - 1. The difference of
 // the two estimates the error of the latter; the former is used. Positions, rotation vectors from
@@ -22,8 +22,8 @@
 namespace kirireel::mechanics {
 namespace {
 
-// These constants are those of the SEULEX code and its description, except for kFirst, kShortest,
-// kRejections and kSticking, which were chosen here.
+// These constants are from the SEULEX code and its description, except for kFirst, kShortest,
+// kRejections and kSticking.
 constexpr int kFewestRows = 2;
 constexpr int kMaxRows = 8;  // with more rows, rounding errors dominate
 // Safety factors of the step length, and limits of its change.
@@ -40,7 +40,7 @@ constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
 // Energy error allowed in one of the longest steps, as a fraction of the tolerance.
 constexpr double kEnergyPart = 0.1;
-constexpr double kSticking = 0.4;  // length of the next attempt if sliding ends within a step
+constexpr double kSticking = 0.4;  // factor on the step length if sliding ends within a step
 constexpr double kSameStepTime = 1e-9;
 // Joints count as closed below this fraction of a length scale.
 constexpr double kClosedGap = 1e-10;

@@ -20,7 +20,6 @@ struct PassedState {
   double seconds = 0;  ///< since the step began
   Motion motion;       ///< of all bricks
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(seconds, motion); }
 };
 
@@ -33,10 +32,11 @@ struct ExtrapolationSettings {
   double tolerance = 1e-4;        ///< maximum error in time of one step, length scales, > 0
   double longestStep = 1.0 / 60;  ///< seconds, > 0
   double lengthScale = 1;         ///< a typical tile edge, metres
-  /// Whether steps also conserve energy, except for the work of loads (JointSolver::energy). The
-  /// longest step may change it by a tenth of the tolerance, relative to the maximum so far; others
-  /// in proportion. Stiff springs oscillate faster than positions show. Errors below the rounding
-  /// of the energy are not resolved; see StepReport::energyRounding.
+  /// Whether steps also conserve energy, except for the work of loads (JointSolver::energy). This
+  /// is needed because stiff springs oscillate faster than positions show. The longest step may
+  /// change the energy by a tenth of the tolerance, relative to the maximum so far. Shorter steps
+  /// may change it in proportion. Errors below the rounding of the energy are not resolved, see
+  /// StepReport::energyRounding.
   bool keepsEnergy = false;
 };
 
@@ -53,8 +53,8 @@ class Extrapolation {
   /// exact, and closed at the start. They are closed to rounding at the end. Returns the length of
   /// the step, seconds. Returns nothing, with an unchanged motion, if `mayTake` refuses the step or
   /// if no step above the minimum length keeps the tolerance, as in states with singular joints.
-  /// Tolerances below 1e-6 may be less than rounding errors: then the step keeps the smallest
-  /// multiple by a power of ten that it can, see StepReport::rounding. `mayTake` may be empty.
+  /// A tolerance below 1e-6 may be less than rounding errors. The step then keeps the tolerance
+  /// times the smallest possible power of ten, see StepReport::rounding. `mayTake` may be empty.
   /// Costs 1 + 2 + ... + k Euler steps for a step of k rows, each with one factorisation, and one
   /// closing of the joints.
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
@@ -105,7 +105,7 @@ class Extrapolation {
   double length_;              // of the next step, seconds
   int order_;                  // of the next step: expected number of rows
   double maxEnergy_ = 0;       // maximum so far, joules
-  double slack_ = 1;           // of the tolerance where rounding errors are larger
+  double slack_ = 1;           // factor on the tolerance if rounding errors exceed it
   double energyRounding_ = 0;  // of an energy, maximum so far, joules
 };
 

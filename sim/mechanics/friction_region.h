@@ -29,8 +29,8 @@ class FrictionRegion {
   FrictionRegion(const std::vector<Vector3>& touching, const Vector3& normal);
 
   /// Points for a normal force at `centre`. The pressure is even on the hull if `centre` is its
-  /// centroid. Otherwise it is even on the hull scaled about some point, with the largest scale
-  /// <= 1 that moves its centroid to `centre`.
+  /// centroid. Otherwise it is even on the hull scaled about some point, with the largest
+  /// scale <= 1 that moves its centroid to `centre`.
   std::vector<FrictionPoint> points(const Vector3& centre) const;
 
  private:

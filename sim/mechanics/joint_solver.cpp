@@ -167,14 +167,15 @@ class Stepper : public JointSolver {
 namespace {
 
 // Lengths are in length scales, speeds in length scales per second.
-constexpr double kSpeedTolerance = 1e-10;  // of joint rows, times the speed of the fastest brick
-constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, times the same
-constexpr double kChangeTolerance = 1e-6;        // of all rows in a round
-constexpr double kFineTolerance = 1e-13;         // of fine velocities, times the same
-constexpr double kSlow = 1e-3;                   // smallest speed in these tolerances
-constexpr double kWorkTolerance = 1e-6;          // of impulses, times the work of the loads
+// Tolerances of speeds are relative to the fastest brick, whose speed counts as at least kSlow.
+constexpr double kSlow = 1e-3;
+constexpr double kSpeedTolerance = 1e-10;        // speed of joint rows
+constexpr double kContactSpeedTolerance = 1e-7;  // speed of contact rows
+constexpr double kChangeTolerance = 1e-6;        // change of all rows in a round
+constexpr double kFineTolerance = 1e-13;         // expected next change, for fine velocities
+constexpr double kWorkTolerance = 1e-6;          // error of impulses, relative to the loads' work
 constexpr double kRecovery = 2e-6;               // largest correction of an overlap in a step
-constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
+constexpr double kOverlapAccepted = 4e-5;        // largest overlap at the end of a step
 constexpr double kWorkOfPair = 1000;             // cost of checking a pair, in multiplications
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;

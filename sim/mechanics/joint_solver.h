@@ -200,7 +200,6 @@ class Standstill {
   /// Call this if anything except poses and loads changes.
   void forget() { *this = {}; }
 
-  /// Records or plays back.
   void transfer(StateTape& tape);
 
  private:

@@ -3,10 +3,10 @@
 //   | H  J^T | | dq |   | -g - J^T m |
 //   | J   0  | | dm | = | -c         |,   H the exact Hessian with the constraints' curvature,
 // with the factor L D L^T of H + w J^T J, w large, and refinement. Redundant rows of J need no
-// special treatment. The negative entries of D are the directions in which the energy falls within
-// the constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown
-// too. The length of the step along the last tangent fixes it (Riks 1979; Crisfield 1981). The path
-// therefore continues at load limits.
+// special treatment. D has one negative entry for each direction in which the energy falls within
+// the constraints (Sylvester's law of inertia; w J^T J makes all others positive). The load is an
+// unknown too. The length of the step along the last tangent fixes it (Riks 1979; Crisfield 1981).
+// The path therefore continues at load limits.
 //
 // Newton's method may find a state of another branch. A step is accepted if positions, forces and
 // energy change as the slopes at both of its ends predict (trapezoidal rule), and if every change
@@ -41,16 +41,16 @@ using Matrix = LoadedSheet::Matrix;
 constexpr double kMaxPenalty = 1e12;
 constexpr double kHeavier = 1e2;
 constexpr int kRefinements = 20;
-constexpr double kRefined = 1e-13;           // of the right side
+constexpr double kRefined = 1e-13;           // residual, relative to the right side
 constexpr double kClosedConstraint = 1e-12;  // constraints, length scales
 constexpr double kBalanced = 1e-13;          // forces, relative to the stiffest spring
 constexpr int kNewtonRounds = 12;
-constexpr int kFewRounds = 4;              // up to this number, the next step may be longer
-constexpr double kLongestFirstMove = 0.3;  // per round during the search for the first equilibrium
+constexpr int kFewRounds = 4;              // the next step may be longer after so few rounds
+constexpr double kLongestFirstMove = 0.3;  // move per round in the search for the first equilibrium
 constexpr int kRelaxations = 500;
 constexpr double kFirstShift = 1e-3;  // relative to the stiffest spring, if the energy falls
 constexpr double kMaxShift = 1e6;
-constexpr double kShortestStep = 1e-7;  // over the longest
+constexpr double kShortestStep = 1e-7;  // fraction of the longest step
 // Maximum deviation of a step from its prediction: positions relative to the step, energy and
 // forces relative to their change. All of them also have a tolerance relative to the stiffest
 // spring.
@@ -63,14 +63,14 @@ constexpr double kNothingMissed = 1e-6;
 constexpr double kLocated = 1e-12;
 constexpr double kOneEvent = 1e-7;  // changes closer than this along the path are one event
 constexpr double kCritical = 1e-6;
-constexpr double kStraight = 0.9;  // cosine between a tangent and that of the cubic
+constexpr double kStraight = 0.9;  // cosine between a tangent and the cubic's tangent
 constexpr int kEigenRounds = 8;
 // A grip that is stiffer than the stiffest spring by this factor is held by joints.
 constexpr double kRigid = 1e6;
-constexpr double kNoSlope = 1e-8;  // of the force along the path, relative to the stiffest spring
+constexpr double kNoSlope = 1e-8;  // change of force along the path, over the stiffest spring
 constexpr double kNoStiffness = std::numeric_limits<double>::quiet_NaN();
-// A displacement along the path below this, over the move of the sheet plus that of the force on
-// the stiffest spring, is rounding.
+// A smaller displacement along the path is rounding. It is relative to the move of the sheet, plus
+// the move of the stiffest spring under the force.
 constexpr double kNoDisplacement = 1e-10;
 constexpr double kBackwards = -1;  // loads below this end the path
 
@@ -316,9 +316,9 @@ class Follower {
     throw RunError("error: no equilibrium was found near the unloaded start");
   }
 
-  // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull, J dq
-  // = motion for dload = 1, scaled to length 1. Its sign is that of the previous tangent: the path
-  // never reverses by itself.
+  // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull,
+  // J dq = motion for dload = 1, scaled to length 1. It has the sign of the previous tangent: the
+  // path never reverses by itself.
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
     Equations equations(sheet_, at, factor_);
     Equations::Change change = equations.solve(sheet_.pull(at.q), sheet_.motion());

@@ -35,7 +35,7 @@ namespace {
 
 constexpr int kAccelerationRounds = 6;
 constexpr int kForceRounds = 12;
-constexpr double kForceRounding = 1e-14;  // of forces, relative to the largest
+constexpr double kForceRounding = 1e-14;  // error of forces, relative to the largest
 // A round that reduces the residual by less than this factor is the last.
 constexpr double kWorthwhileRound = 0.5;
 // Number of random states. A second one covers joints that the first misses by chance.

@@ -26,7 +26,6 @@ struct Departure {
   double advance(JointSolver& solver, Motion& motion, double seconds,
                  std::vector<PassedState>& passed, StepReport& report);
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(start, states, damped, loads, done, now); }
 };
 

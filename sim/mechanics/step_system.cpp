@@ -42,8 +42,8 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
 
 }  // namespace
 
-template <int D>
 // w = C u for this row, m/s; positive if the points separate.
+template <int D>
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
   double w = 0;
   if (brick::isBrick(contact.brickA)) w += normalA.dot(u.segment<D>(D * contact.brickA));
@@ -157,11 +157,11 @@ template void placeRow<6>(ContactRow<6>&, const Poses&);
 // For a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
 // stiffness K by velocity and position, and the velocity u0 at the start of the step h,
 //   A = diag(m 1, I) + h D + h^2 K,        f = diag(m 1, I) u0 + h F.
-// Without joints, A x = f gives the velocity x at the end of the step: m (x - u0) = h (F - D x - h
-// K x). Springs at hinges add rows s (the rate of the hinge's angle by both bricks' velocities): A
-// gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the start. The joint rows J are the
-// velocities of pivot points of one brick against the other; kappa J^T J makes H of A, which is
-// positive definite for any J.
+// Without joints, A x = f gives the velocity x at the end of the step:
+// m (x - u0) = h (F - D x - h K x). Springs at hinges add rows s (the rate of the hinge's angle by
+// both bricks' velocities): A gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the
+// start. The joint rows J are the velocities of pivot points of one brick against the other.
+// H = A + kappa J^T J is positive definite for any J.
 //
 // Exact joints have kappa = 1e10 times the mean mass, and multipliers. Joints that are springs of
 // stiffness k have kappa = h^2 k, which is their implicit Euler step. H has the blocks of the graph
@@ -782,7 +782,7 @@ template class StepSystem<6>;
 
 namespace {
 
-constexpr double kNewtonTolerance = 1e-7;  // of a Newton step; rounding is 1e-10 to 1e-8
+constexpr double kNewtonTolerance = 1e-7;  // relative Newton step; rounding is 1e-10 to 1e-8
 constexpr int kPieceRounds = 60;
 constexpr int kBoldRounds = 8;  // whole steps at first: most often they settle the contacts' states
 constexpr int kSearchRounds = 30;
@@ -853,8 +853,8 @@ bool setContactStates(StepProgram<D>& program, double rho) {
   return changed;
 }
 
-template <int D>
 // Newton's method on the pieces: whole steps at first, then with a line search.
+template <int D>
 RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   for (int round = 0; round < kPieceRounds; ++round) {
     const Eigen::VectorXd slope = gradientOfPiece(system, program);

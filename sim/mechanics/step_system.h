@@ -340,9 +340,9 @@ class PairBlocks {
  public:
   /// One number per coordinate of all bricks.
   using Vector = Eigen::VectorXd;
-  /// By the coordinates of a pair, brick A first.
+  /// One number per coordinate of a pair, brick A first.
   using PairVector = Eigen::Matrix<double, 2 * D, 1>;
-  /// By the same, twice.
+  /// Rows and columns in the same order.
   using PairMatrix = Eigen::Matrix<double, 2 * D, 2 * D>;
 
   /// K: the second derivative, or only its positive part. With the latter every stationary point is
@@ -569,9 +569,9 @@ struct RoundReport {
 /// One round: minimises the augmented Lagrangian for the current multipliers by semismooth Newton
 /// (the contacts' states select the quadratic piece), then updates the multipliers. The system must
 /// be factored for the contacts' states on entry. Tolerances are relative to the speed of x and to
-/// `slow`, m/s.
+/// `slow`, m/s. Costs one solve without contacts, and a factorisation for each change of the
+/// contacts' states.
 template <int D>
-/// Costs one solve without contacts, and a factorisation for each change of the contacts' states.
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
 
 /// Sets how the contacts slip at x. Returns whether any state changed.

@@ -44,8 +44,8 @@ std::vector<Tile> bestFitted(std::vector<Tile> tiles, const std::vector<Tile>& o
 /// without turning over. Returns the motion; identity without a target.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held = {});
 
-/// Moves a target state onto the model's start in the same way, and returns the motion. A flat
-/// state that lies upside down as a whole is turned over. `state` has the model's tiles.
+/// Moves a target state onto the model's start like alignStartToTarget(), and returns the motion. A
+/// flat state that lies upside down as a whole is turned over. `state` has the model's tiles.
 RigidMotion alignToStart(const Model& model, std::vector<Tile>& state,
                          std::span<const int> held = {});
 

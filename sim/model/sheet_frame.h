@@ -70,7 +70,7 @@ std::optional<SheetFrame> sheetFrame(const Model& model);
 
 /// The frame in which the start of a model is seen from above, also if it is not flat: then along
 /// the principal axis of its vertices that differs most from the other two, for example the axis of
-/// a tube or of a cap. Along z if all three are equal, as those of a cube.
+/// a tube or of a cap. Along z if all three are equal, as in a cube.
 SheetFrame viewFrame(const Model& model);
 
 /// Tolerance of flatness: largest distance of a vertex from the plane, metres. Rounded coordinates

@@ -22,13 +22,13 @@ namespace kirireel::run {
 // exactly moves tiles by c / d, back to the start. Joints therefore close only as far as the tiles
 // fit, by Tikhonov's rule. Instead of c(q) = 0, states minimise
 //   |q - g|^2 + r |c(q)|^2,   r = 10 / d,
-// g the position that attracts the tiles, less than a tile away. The pull opens joints by |q - g| /
-// r beyond the misfit: less than a tenth of the digit. The misfit, r |c|^2 about r d^2, moves tiles
-// along the mechanism by r d^2, ten digits, and in singular states by the root of that: gaps grow
-// with the square of the move. Joints resist motions with singular values above sqrt(d / 10),
-// others follow the pull. Near g, softer joints bring a state nearer while they stay closed within
-// two digits. Neumaier (1998), "Solving ill-conditioned and singular linear systems", SIAM Review
-// 40, section 3.
+// g the position that attracts the tiles, less than a tile away. The pull opens joints by
+// |q - g| / r beyond the misfit: less than a tenth of the digit. The misfit, r |c|^2 about r d^2,
+// moves tiles along the mechanism by r d^2, ten digits, and in singular states by the root of that:
+// gaps grow with the square of the move. Joints resist motions with singular values above
+// sqrt(d / 10), others follow the pull. Near g, softer joints bring a state nearer while they stay
+// closed within two digits. Neumaier (1998), "Solving ill-conditioned and singular linear systems",
+// SIAM Review 40, section 3.
 
 /// The stiffness r of joints that close within the model's rounding, relative to the springs that
 /// pull a tile to its place. Infinite if the coordinates were not rounded.

@@ -25,7 +25,6 @@ struct RunState {
   double time = 0;              ///< simulated seconds
   std::vector<double> numbers;  ///< complete state, see StateTape; empty before the run
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<RunState>(field("time", &RunState::time, "s"),
                                     field("numbers", &RunState::numbers));

@@ -37,7 +37,7 @@ double placeStiffness(const scene::TargetSpringSettings& settings,
                       const std::vector<brick::Brick>& bricks);
 
 /// The springs that guide the scene's tiles, with sqrt(2) times the frequency of its own springs.
-scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
+scene::TargetSpringSettings guideSprings(const scene::Scene& scene);
 
 /// The stiffness of joints that the scene's path makes compliant, N/m. Infinite for exact joints.
 double jointStiffnessOf(const scene::Scene& scene, const std::vector<brick::Brick>& bricks);
@@ -221,7 +221,6 @@ class AdaptiveStiffness {
   /// Doubles immediately, for a deployment that has come to rest.
   void stiffen();
 
-  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(enabled_, factor_, bestError_, lastError_, lastTime_, improvedAt_);
   }

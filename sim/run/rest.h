@@ -41,7 +41,6 @@ class RestWatch {
   /// Whether steps fail, and the bricks have hardly moved since steps began to fail.
   bool isStuck(const Poses& poses) const;
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
 
  private:
@@ -135,7 +134,6 @@ class Perturber {
   /// Allows all perturbations again, because another target has other equilibria.
   void reset() { given_ = Perturbed::No; }
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(given_); }
 
  private:

@@ -61,7 +61,6 @@ struct Accuracy {
   /// within it. It does not depend on the samples, and decides whether a run counts as successful.
   double penetrationGrownMax = 0;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Accuracy>(
         field("joint_gap_max", &Accuracy::jointGapMax, "m"),
@@ -89,7 +88,6 @@ struct DeployCost {
   /// Limit of the search work, multiplications. Infinite if none was set.
   double searchLimit = std::numeric_limits<double>::infinity();
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(took); }
 };
 

@@ -431,7 +431,7 @@ void Run::setPinned(const std::vector<bool>& pinned) {
 void Run::goTo(const std::vector<model::Tile>* target) {
   perturber_.reset();
   target_.set(target, motion_.poses());
-  drive_.headFor(target_, motion_.poses());
+  drive_.startTowards(target_, motion_.poses());
 }
 
 // Restores the initial state of the run.

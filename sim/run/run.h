@@ -64,7 +64,6 @@ class SpentTime {
   /// CPU seconds so far, including those before a checkpoint.
   double seconds() const { return earlier_ + threadCpuSeconds() - begin_; }
 
-  /// Records or plays back.
   void transfer(StateTape& tape) {
     double spent = seconds();
     tape.transfer(spent);

@@ -119,9 +119,9 @@ PathFollower::PathFollower(const scene::Scene& scene, const std::vector<brick::B
                            double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
-      placeStiffness_(placeStiffness(leadingSprings(scene), bricks)),
+      placeStiffness_(placeStiffness(guideSprings(scene), bricks)),
       guide_(brick::bottomTiles(bricks, start), target),
-      springs_(bricks, guide_.at(0), scene.model.pulledTiles, leadingSprings(scene)) {}
+      springs_(bricks, guide_.at(0), scene.model.pulledTiles, guideSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;
@@ -152,7 +152,7 @@ bool RunDrive::jointsAreCompliant() const {
 }
 
 // Without a target there is no pull.
-void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
+void RunDrive::startTowards(const CurrentTarget& target, const Poses& from) {
   springs_.reset();
   follower_.reset();
   phase_ = Phase::Settle;
@@ -166,7 +166,7 @@ void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
   if (scene.path.kind != scene::PathKind::Guided) return;
   phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
   openedAt_ = departedAt_ + scene.path.openTime;
-  if (phase_ == Phase::Guide) leadTo(*target.tiles());
+  if (phase_ == Phase::Guide) guideTo(*target.tiles());
 }
 
 void RunDrive::pullTo(const std::vector<model::Tile>& target) {
@@ -175,7 +175,7 @@ void RunDrive::pullTo(const std::vector<model::Tile>& target) {
 }
 
 // Guides from the departure poses and time.
-void RunDrive::leadTo(const std::vector<model::Tile>& target) {
+void RunDrive::guideTo(const std::vector<model::Tile>& target) {
   follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
 }
 
@@ -184,7 +184,7 @@ bool RunDrive::beginStep(const CurrentTarget& target, const Poses& poses, Dynami
   if (phase_ == Phase::Open && clock_.isDue(openedAt_)) {
     departure_ = poses;
     departedAt_ = clock_.time();
-    leadTo(*target.tiles());
+    guideTo(*target.tiles());
   }
   if (!follower_) return false;
   phase_ = follower_->prepareStep(clock_.time() + clock_.length(), dynamics);
@@ -198,33 +198,34 @@ double RunDrive::nextMoment() const {
   return isOpening ? openedAt_ : std::numeric_limits<double>::infinity();
 }
 
-// Null for springs to a target, or no drive.
-const DriveForce* RunDrive::presentDrive() const {
+// Null if springs pull to a target, and if there is no drive.
+const DriveForce* RunDrive::activeDrive() const {
   return phase_ == Phase::Open ? &opening_ : drive_.get();
 }
 
-// The springs of the guide while tiles are guided, else those to the target. Null without a pull.
-const TargetSprings* RunDrive::presentSprings() const {
+// The springs of the guide while tiles are guided, otherwise the springs to the target. Null if
+// nothing pulls.
+const TargetSprings* RunDrive::activeSprings() const {
   if (follower_) return &follower_->springs();
   return springs_ ? &*springs_ : nullptr;
 }
 
 void RunDrive::addLoads(const Poses& poses, std::vector<brick::Load>& loads) const {
-  if (const DriveForce* drive = presentDrive()) {
+  if (const DriveForce* drive = activeDrive()) {
     drive->addLoads(poses, loads);
-  } else if (const TargetSprings* springs = presentSprings()) {
+  } else if (const TargetSprings* springs = activeSprings()) {
     springs->addLoads(poses, stiffness_.factor(), loads);
   }
 }
 
 double RunDrive::energy(const Poses& poses) const {
-  if (const DriveForce* drive = presentDrive()) return drive->energy(poses);
-  const TargetSprings* springs = presentSprings();
+  if (const DriveForce* drive = activeDrive()) return drive->energy(poses);
+  const TargetSprings* springs = activeSprings();
   return springs ? springs->energy(poses, stiffness_.factor()) : 0;
 }
 
 void RunDrive::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
-  if (const DriveForce* drive = presentDrive()) drive->addFreeForces(poses, forces);
+  if (const DriveForce* drive = activeDrive()) drive->addFreeForces(poses, forces);
 }
 
 // Springs are restored from the target and the start of its path.
@@ -234,7 +235,7 @@ void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
   springs_.reset();
   follower_.reset();
   if (target.hasSprings()) pullTo(*target.tiles());
-  if (phase_ == Phase::Guide || phase_ == Phase::Close) leadTo(*target.tiles());
+  if (phase_ == Phase::Guide || phase_ == Phase::Close) guideTo(*target.tiles());
 }
 
 }  // namespace kirireel::run

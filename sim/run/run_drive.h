@@ -145,7 +145,7 @@ class RunDrive {
   bool jointsAreCompliant() const;
 
   /// Starts the phases of the path from these poses to a target.
-  void headFor(const CurrentTarget& target, const Poses& from);
+  void startTowards(const CurrentTarget& target, const Poses& from);
   /// Enters the phase of the next step, whose length is known to the clock, and prepares it.
   /// Returns whether the path has ended and its joints should be closed.
   bool beginStep(const CurrentTarget& target, const Poses& poses, Dynamics& dynamics);
@@ -171,9 +171,9 @@ class RunDrive {
 
  private:
   void pullTo(const std::vector<model::Tile>& target);
-  void leadTo(const std::vector<model::Tile>& target);
-  const DriveForce* presentDrive() const;
-  const TargetSprings* presentSprings() const;
+  void guideTo(const std::vector<model::Tile>& target);
+  const DriveForce* activeDrive() const;
+  const TargetSprings* activeSprings() const;
 
   const SceneBricks& bricks_;
   const StepClock& clock_;

@@ -143,8 +143,8 @@ void addContact(const trajectory::Hold& contact, const Poses& poses, std::vector
 //
 // Dampers and contacts remove energy, and the solver counts it. The remaining difference in
 //   work - damped - impacted = kinetic + spring + elastic
-// is lost in the integrator. Implicit Euler steps of length h damp a spring of frequency w by h w /
-// 2 of its energy per radian. Steps to a tolerance lose what the tolerance allows.
+// is lost in the integrator. Implicit Euler steps of length h damp a spring of frequency w by
+// h w / 2 of its energy per radian. Steps to a tolerance lose what the tolerance allows.
 
 namespace {
 

@@ -31,13 +31,13 @@ class ActingForces {
                const RunDrive& drive, const RunMotion& motion)
       : bricks_(bricks), clock_(clock), timeline_(timeline), drive_(drive), motion_(motion) {}
 
-  /// Loads of drive and drags, for steps in which they move.
+  /// Loads of the drive and of drags, which move during a step.
   mechanics::TimedLoads timedLoads() const;
   /// The loads at the current time.
   mechanics::LoadSource loadsNow() const;
 
-  /// Energy in all springs except those between pairs, joules, >= 0. Springs are taken at a time of
-  /// the run (seconds), bricks at these poses.
+  /// Energy of all springs at this time of the run (seconds) and these poses, without forces
+  /// between pairs of bricks; joules, >= 0.
   double springEnergy(double time, const Poses& poses) const;
   /// Energy in forces between pairs of bricks, joules: springs at hinges, ligaments and others.
   double pairEnergy(const Poses& poses) const;
@@ -59,7 +59,7 @@ class ActingForces {
   const std::vector<bool>& pinned() const { return timeline_.pinned(); }
   /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const { return timeline_.pinnedTiles(); }
-  /// Whether the contacts are known: those of the last step, so none before the first one.
+  /// Whether the contacts are known. They come from the last step, so there are none before it.
   bool areContactsKnown() const;
   /// The grips and the contacts of a state at a time.
   std::vector<trajectory::Hold> holds(double time, const Motion& motion) const;
@@ -106,7 +106,6 @@ class RunMechanics {
     /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry per brick.
     std::vector<Vector3> accelerations;
 
-    /// For files; see base/fields.h.
     static constexpr auto fields() {
       return describeFields<Account>(field("before", &Account::before), field("now", &Account::now),
                                      field("reached", &Account::reached),
@@ -119,7 +118,6 @@ class RunMechanics {
   /// Restores an earlier account when steps are undone.
   void goBackTo(const Account& account) { account_ = account; }
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(account_); }
 
  private:

@@ -66,7 +66,6 @@ class StepClock {
   /// Advances the time by the step.
   void endStep();
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(checks_, sinceCheck_, length_); }
 
  private:
@@ -159,7 +158,6 @@ class RunMotion {
   /// The motion of these poses at a time within the last step, seconds.
   Motion motionAt(double time, const Poses& poses) const;
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(now_, before_, *solver_); }
 
  private:
@@ -202,7 +200,6 @@ class JointFit {
   /// Why the joints are not as requested. Empty if they are.
   std::string trouble() const;
 
-  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(isMisfit_, isHeldOpen_); }
 
  private:

@@ -78,7 +78,6 @@ class RunRecorder {
   /// then those of this sample, and no sample follows.
   std::optional<trajectory::Sample> showAgain(double time);
 
-  /// Records or plays back.
   void transfer(StateTape& tape);
 
  private:

@@ -19,7 +19,6 @@ struct TrialEnd {
   double opening = 0;  ///< largest opening of compliant joints, metres
   double work = 0;     ///< cost of the trial, see SearchBudget
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<TrialEnd>(
         field("arrives", &TrialEnd::arrives), field("jams", &TrialEnd::jams),

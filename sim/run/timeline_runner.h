@@ -93,7 +93,6 @@ class TimelineRunner {
     std::vector<Vector3> path;  // starts at the point's first position, metres
     double from = 0;            // start time, seconds
 
-    /// For files; see base/fields.h.
     static constexpr auto fields() {
       return describeFields<ActiveDrag>(
           field("entry", &ActiveDrag::entry), field("point", &ActiveDrag::point, "m"),

@@ -26,10 +26,10 @@ namespace {
 
 // Times that differ by less than this fraction of a call are the same.
 constexpr double kSameMoment = 1e-9;
-constexpr int kMostImpacts = 8;  // in one call
+constexpr int kMostImpacts = 8;  // impacts in one call
 // After too many impacts or changes of contacts, this number of calls has only first-order steps.
 constexpr int kCallsToWait = 8;
-constexpr int kImpactBisections = 60;  // to the last bit
+constexpr int kImpactBisections = 60;  // these find the time to the last bit
 
 /// The motion of only the bricks of a contact. Renumbers them in the contact.
 Motion motionOf(brick::Contact& contact, const Motion& all) {
@@ -101,7 +101,7 @@ double ToleranceSteps::momentOfLeaving() const {
 }
 
 /// When in the step that was not taken the first of its contacts closes, seconds after its start.
-/// Nothing where bricks passed through each other.
+/// Holds nothing if bricks passed through each other.
 std::optional<double> ToleranceSteps::momentOfImpact() const {
   const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
   if (isLeaving) return momentOfLeaving();

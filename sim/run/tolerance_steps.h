@@ -72,8 +72,8 @@ class ToleranceSteps {
     Motion from;
     Motion to;
     double seconds = 0;
-    std::vector<brick::Contact> contacts;  // violated at its end, whole planes of them
-    bool isLeaving = false;                // else bricks collide
+    std::vector<brick::Contact> contacts;  // violated at its end; whole planes
+    bool isLeaving = false;                // false: bricks collide
   };
 
   const std::vector<brick::Brick>& bricks_;
@@ -83,9 +83,9 @@ class ToleranceSteps {
   double firstOrderStep_;  // seconds
   mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;
-  std::optional<Meeting> meeting_;                 // of the last tried step
-  int callsToWait_ = 0;                            // of first order, after too many impacts
-  std::optional<mechanics::Departure> departure_;  // while it lasts
+  std::optional<Meeting> meeting_;  // of the last tried step
+  int callsToWait_ = 0;             // calls that use first order after too many impacts
+  std::optional<mechanics::Departure> departure_;  // from a singular start; absent after it
   std::vector<mechanics::PassedState> passed_;
 };
 

@@ -56,7 +56,7 @@ struct TargetSpringSettings {
   std::optional<double> torqueStiffness;  ///< k_tau, N/m for each vertex, >= 0
   std::optional<double> forceDamping;     ///< mu_v, N s/m, >= 0
   std::optional<double> torqueDamping;    ///< mu_omega, N m s, >= 0
-  double turnShare = 1;                   ///< of k_f by frequency: k_tau if it is not given, >= 0
+  double turnShare = 1;  ///< k_tau over k_f, if both follow from the frequency, >= 0
   bool adaptive = true;  ///< double both stiffnesses when the error stalls, up to 16 times
 
   /// Whether the springs have stiffness; without it they only damp.
@@ -66,14 +66,15 @@ struct TargetSpringSettings {
 /// The paper's constants (100 N/m, 100 N/m, 50 N s/m, 2 N m s), for bricks of 1 kg.
 TargetSpringSettings paperSprings();
 
-/// The spring of one hinge in a file of hinges. Missing values are those of all hinges.
+/// The spring of one hinge in a file of hinges, see HingeSpring. The settings of all hinges replace
+/// missing values.
 struct OwnHingeSpring {
   int tileA = 0;                    ///< one tile of the hinge, in either order
   int tileB = 0;                    ///< the other tile
-  std::optional<double> stiffness;  ///< see HingeSpring, this and the following
-  std::optional<double> rest;       ///< radians, see HingeSpring
-  std::optional<double> damping;    ///< N m s/rad, see HingeSpring
-  FileLocation where;               ///< of the line
+  std::optional<double> stiffness;  ///< N m/rad
+  std::optional<double> rest;       ///< radians
+  std::optional<double> damping;    ///< N m s/rad
+  FileLocation where;               ///< position of the line
 };
 
 /// A neck of the sheet's material at each corner where tiles turn against each other, as thick as
@@ -87,9 +88,9 @@ struct HingeNeck {
 
 /// Ligaments of given stiffness at all corners, with the energy
 ///   stretch (l - length)^2 / 2 + shear (length a)^2 / 2,
-/// l: distance of their ends, a: angle between the ligament and the mean turn of both tiles. The
-/// springs at their hinges have the stiffness against bending. B. Deng, J. R. Raney, K. Bertoldi,
-/// V. Tournat, Nonlinear waves in flexible mechanical metamaterials, J. Appl. Phys. 130, 2021.
+/// l: distance of their ends, a: angle between the ligament and the mean rotation of both tiles.
+/// The springs at their hinges give the bending stiffness. B. Deng, J. R. Raney, K. Bertoldi, V.
+/// Tournat, Nonlinear waves in flexible mechanical metamaterials, J. Appl. Phys. 130, 2021.
 struct LigamentStiffness {
   double stretch = 0;  ///< N/m, > 0
   double shear = 0;    ///< N/m, > 0
@@ -100,7 +101,7 @@ struct LigamentStiffness {
 struct PanelMaterial {
   double youngs = 0;      ///< modulus, Pa, > 0
   double poisson = 0.3;   ///< ratio, in [0, 0.5)
-  double foldLength = 0;  ///< see foldStiffness(), metres; 0: folds are as stiff as hinges are
+  double foldLength = 0;  ///< see foldStiffness(), metres; 0: folds are as stiff as other hinges
 };
 
 /// Torsional springs at the hinges: see HingeSpring.
@@ -109,7 +110,7 @@ struct HingeSettings {
   std::optional<HingeNeck> neck;  ///< gives the stiffness at corners
   /// Whether necks also stretch and shear; with grips only.
   bool areLigaments = false;
-  std::optional<LigamentStiffness> ligament;  ///< the same without a neck
+  std::optional<LigamentStiffness> ligament;  ///< ligaments that do not follow from necks
   std::optional<PanelMaterial>
       panels;  ///< tiles stretch and bend: with grips, and in motion if they are split
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
@@ -138,7 +139,7 @@ enum class Drive {
 
 /// The curve of boundary springs: an ellipse around the middle of the hull's corners.
 struct BoundaryCurve {
-  double size = 2;    ///< its width (along y) / that of the smallest circle around the hull, > 0
+  double size = 2;    ///< width (along y) / diameter of the circle around the hull, > 0
   double aspect = 1;  ///< its length (along x) / its width: 1 a circle, else oblong; > 0
 };
 
@@ -153,7 +154,8 @@ enum class PathKind {
   /// Continuation if the scene needs no dynamics and the path arrives, else Dynamic.
   Auto,
   Continuation,  ///< the mechanism is followed kinematically at an even pace; see continueAlong()
-  /// By springs: Straight if it arrives, else Guided. Joints are as stiff as possible.
+  /// Springs pull the tiles: Straight if that arrives, else Guided. Joints are as stiff as
+  /// possible.
   Dynamic,
   Straight,  ///< the springs pull towards the target from the start (as in the paper)
   Guided,    ///< each tile is guided along its own rigid motion, primarily by rotation, then by
@@ -173,7 +175,7 @@ struct PathSettings {
   /// bricks that would jam. >= 0.
   double openTime = 0;
   double guideTime = 4;  ///< seconds in which the tiles are guided to the target, > 0
-  /// r, the stiffness of each joint relative to that of one tile's guide, > 0. Infinity: exact
+  /// r, the stiffness of each joint over the stiffness of one tile's guide, > 0. Infinity: exact
   /// joints. After guiding, compliant joints are closed.
   double jointRatio = std::numeric_limits<double>::infinity();
   /// Scales the cost limit of the path search after the first candidate, see SearchBudget; >= 0.
@@ -260,7 +262,6 @@ struct Need {
   bool on = false;     ///< whether it is modelled
   std::string reason;  ///< one short phrase for the summary
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Need>(field("on", &Need::on), field("reason", &Need::reason));
   }
@@ -273,7 +274,6 @@ struct Needs {
   Need ground;     ///< the ground plane as a contact
   Need obstacles;  ///< fixed obstacles
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Needs>(
         field("planar", &Needs::planar), field("contacts", &Needs::contacts),

@@ -47,12 +47,12 @@ std::string entriesText(const SceneFile& file, bool withFileNames);
 /// [environment] [actuation] [solver] [stop] [camera] [style] [recording], and [[timeline]],
 /// [[obstacle]], [[velocity]], [[grip]] (see readGrips()).
 ///
-/// A velocity is linear = [X, Y, Z] (lengths/s), angular = [X, Y, Z] (rad/s) or both, of tiles =
-/// [TILES], by default of all. They start as one rigid body.
+/// A velocity is linear = [X, Y, Z] (lengths/s), angular = [X, Y, Z] (rad/s) or both, of
+/// tiles = [TILES], by default of all. They start as one rigid body.
 ///
-/// An obstacle is shape = "box" with size = [X, Y, Z], "sphere" with radius, or "mesh" with file =
-/// "FILE.obj" (flat convex faces). It is at position = [X, Y, Z], rotated by rotation = [X, Y, Z]
-/// (degrees about the axes, x first), with friction.
+/// An obstacle is shape = "box" with size = [X, Y, Z], "sphere" with radius, or "mesh" with
+/// file = "FILE.obj" (flat convex faces). It is at position = [X, Y, Z], rotated by
+/// rotation = [X, Y, Z] (degrees about the axes, x first), with friction.
 ///
 /// The time of a timeline entry is one of
 ///   at = SECONDS, at = "rest", at = "target", after = SECONDS (0), error_below = LENGTH,

@@ -51,11 +51,12 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
 /// The springs of a scene's hinges with a stiffness or a damping, in the order of findHinges().
 /// Folds between tiles whose common corners are joined through others follow. If scene.hinges has
 /// panels, parts of one tile have the stiffness bendStiffness() and rest at their current angle.
-/// Folds without a given stiffness have foldStiffness() of their common edges. The rest angle is
-/// that of the line, else of all hinges, else of the model's file for folds (Model::foldAngles),
-/// else the start angle. `bricks` are the scene's. Throws InputError if springs are requested but
-/// nothing has an axis, if a line of the file fits no hinge, and if bricks overlap at the rest
-/// angle. Empty if scene.hinges requests nothing. Costs about O(joints log joints).
+/// Folds without a given stiffness have foldStiffness() of their common edges. The rest angle
+/// comes from the line, else from the setting of all hinges, else from the model's file for folds
+/// (Model::foldAngles). Otherwise it is the angle at the start. `bricks` are the scene's. Throws
+/// InputError if springs are requested but nothing has an axis, if a line of the file fits no
+/// hinge, and if bricks overlap at the rest angle. Empty if scene.hinges requests nothing. Costs
+/// about O(joints log joints).
 std::vector<brick::HingeSpring> hingeSprings(const Scene& scene,
                                              const std::vector<brick::Brick>& bricks);
 

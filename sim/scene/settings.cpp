@@ -409,7 +409,7 @@ SettingGroup pathSettings() {
            .with(isGuided, kGuided),
        specialNumber(
            "joint_ratio", "R", "exact joints first, softer ones if they do not arrive",
-           "compliant joints: their stiffness over that of the springs of one tile",
+           "stiffness of compliant joints, over the stiffness of one tile's springs",
            [](Scene& scene, const TypedValue& typed) {
              scene.path.jointRatio = parseNumber(typed, {1e-6, 1e12});
            },
@@ -670,7 +670,8 @@ double parseNumber(const TypedValue& value, Range range) {
   const bool hasUnit = !number && !text.empty() &&
                        std::isdigit(static_cast<unsigned char>(text.front())) != 0 &&
                        std::isalpha(static_cast<unsigned char>(text.back())) != 0;
-  throw valueError(value, describe(range, "a number") + (hasUnit ? ", without a unit" : ""));
+  throw valueError(value, describe(range, "a number") +
+                              (hasUnit ? " without a unit. `unit` sets the unit of lengths" : ""));
 }
 
 long parseInteger(const TypedValue& value, Range range) {

@@ -263,8 +263,8 @@ double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipl
 }
 
 // ------------------------------------------------------------------------------------------------
-// With the edge e from point 0 to point 1, the normals n = e x (x2 - x0) of the left triangle and m
-// = (x3 - x0) x e of the right one, the angle is atan2(e/|e| . (m x n), n . m), and
+// With the edge e from point 0 to point 1, the normals n = e x (x2 - x0) of the left triangle and
+// m = (x3 - x0) x e of the right one, the angle is atan2(e/|e| . (m x n), n . m), and
 //   d(angle)/dx2 = |e| n / n^2,   d(angle)/dx3 = |e| m / m^2.
 // The derivatives at points 0 and 1 follow because rigid motions do not change the angle. With s
 // and t the shares of the edge at the feet of points 2 and 3,

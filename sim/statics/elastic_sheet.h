@@ -21,16 +21,16 @@ struct GripHandle {
 /// Moves or forces on parts of the sheet, in proportion to the load (>= 0).
 struct Grip {
   std::vector<GripHandle> handles;  ///< one or more
-  /// In the plane; unused for rotations. Shorter than 1 if it is the part in the plane of an axis
-  /// that leaves the plane. Amounts and forces are then along that axis.
+  /// A direction in the plane; unused for rotations. It is shorter than 1 if it is the projection
+  /// of an axis that leaves the plane. Amounts and forces are then along that axis.
   Vector3 direction = Vector3::UnitX();
-  /// At load 1. For a move, the displacement of each handle along the direction since the start
-  /// (metres, radians). For a force, the total force on all handles (newtons, N m). It is a dead
-  /// load, which keeps its direction.
+  /// Value at load 1. A move displaces each handle by it along the direction since the start
+  /// (metres, radians). A force is the total on all handles (newtons, N m). It keeps its direction.
   double amount = 0;
   bool isForce = false;  ///< true: a force, false: a move
-  /// If directions of grips that move the same handles depend on each other, their multipliers are
-  /// not unique: the sum of multipliers that is the force of this grip. Empty: its own multipliers.
+  /// The sum of multipliers that is this grip's force. It is needed if other grips move the same
+  /// handles along dependent directions, since multipliers are then not unique. Empty: its own
+  /// multipliers.
   mechanics::GripSum force = {};
 };
 

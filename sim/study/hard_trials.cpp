@@ -317,9 +317,11 @@ double count(const Table& table, const std::string& engine, const std::string& c
 // Only counts: the rows contain the cases.
 std::vector<Finding> hardCasesFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
-  return {{"direct_diverged", count(table, "direct", "outcome", "diverged"), "runs of ours"},
-          {"direct_not_held", count(table, "direct", "held", "no"), "runs of ours"},
-          {"direct_held", count(table, "direct", "held", "yes"), "runs of ours, refusals included"},
+  return {{"direct_diverged", count(table, "direct", "outcome", "diverged"),
+           "runs of the direct solver"},
+          {"direct_not_held", count(table, "direct", "held", "no"), "runs of the direct solver"},
+          {"direct_held", count(table, "direct", "held", "yes"),
+           "runs of the direct solver, refusals included"},
           {"bullet_diverged", count(table, bullet, "outcome", "diverged"), "runs of Bullet"},
           {"bullet_not_held", count(table, bullet, "held", "no"), "runs of Bullet"},
           {"bullet_held", count(table, bullet, "held", "yes"), "runs of Bullet"},
@@ -331,9 +333,9 @@ std::vector<Finding> hardCasesFindings(const Table& table) {
 
 Study hardCasesStudy() {
   return {"hard-cases",
-          "hard cases for a joint solver, ours compared with Bullet",
+          "hard cases for joint solvers: the direct solver and Bullet",
           {{"tried", "what is hard"},
-           {"engine", "what held the joints"},
+           {"engine", "solver of the joints"},
            {"outcome", "done; cut off by its time; diverged; refused with this message"},
            {"simulated_s", "seconds"},
            {"error_m", "at the end, metres"},
@@ -342,7 +344,7 @@ Study hardCasesStudy() {
            {"growth", "largest growth of the energy in a step, relative to that at the start"},
            {"overlap_tiles", "deepest overlap at the end outside shared corners, in tiles"},
            {"unconverged", "steps whose contacts or joints missed their tolerance"},
-           {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
+           {"cpu_ms_per_s", "CPU time per simulated second, milliseconds"},
            {"held", "finite; gap at most 1e-3; growth at most 1e-3; overlap at most 0.02"}},
           hardCasesCases,
           hardCasesFindings};

@@ -171,16 +171,16 @@ Study movingStudy(const SheetMethods& methods) {
   return {
       "moving",
       "CPU time against error in time while all of a sheet moves, 100 and 400 squares",
-      {{"engine", "what held the joints"},
+      {{"engine", "solver of the joints"},
        {"motion", "plane or space"},
        {"tiles", "squares of the sheet"},
        {"rate", "steps a simulated second"},
        {"substeps", "in each step"},
        {"iterations", "in each substep"},
-       {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
-       {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
-       {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
-       {"error_m", "largest distance of a vertex from where it should be at that time, metres"}},
+       {"tolerance", "tolerance of the direct solver's steps in time, tiles; 0 for fixed steps"},
+       {"cpu_ms_per_s", "CPU time per simulated second, milliseconds"},
+       {"gap_m", "largest joint gap of all steps, metres; none if the sheet flew apart"},
+       {"error_m", "largest distance of a vertex from its exact position at that time, metres"}},
       sheetCases(methods, movingCase),
       movingFindings};
 }

@@ -1,5 +1,5 @@
-// The slope of a straight line through (ln x, ln y) by least squares: b = sum (X - mean X)(Y - mean
-// Y) / sum (X - mean X)^2.
+// The slope of a straight line through X = ln x and Y = ln y by least squares:
+//   b = sum (X - mean X)(Y - mean Y) / sum (X - mean X)^2
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace kirireel::study {
 
-// NaN if all points have the same x, or if a logarithm does not exist.
+// NaN if all points have the same x, or if a number is not > 0.
 double fittedExponent(const std::vector<PowerPoint>& points) {
   const double count = static_cast<double>(points.size());
   double meanX = 0;
@@ -110,20 +110,20 @@ std::vector<Finding> scalingFindings(const Table& table) {
   const std::string memory = "memory_mb";
   std::vector<Finding> found = {
       {"direct_exponent_plane", exponent(table, "direct", "plane", time),
-       "b of CPU time = a tiles^b from 100 tiles on, ours in the plane"},
+       "b of CPU time = a tiles^b above 100 tiles, direct solver in the plane"},
       {"direct_exponent_space", exponent(table, "direct", "space", time),
-       "the same of ours in space"},
+       "the same, direct solver in space"},
       {"bullet_exponent_space", exponent(table, "sequential impulse", "space", time),
-       "the same of Bullet"},
+       "the same, Bullet"},
       {"direct_memory_exponent_plane", exponent(table, "direct", "plane", memory),
-       "b of memory = a tiles^b, ours in the plane"},
+       "b of memory = a tiles^b, direct solver in the plane"},
       {"direct_memory_exponent_space", exponent(table, "direct", "space", memory),
-       "the same of ours in space"}};
+       "the same, direct solver in space"}};
   for (const std::string motion : {"plane", "space"}) {
     for (const std::string& engine : otherEngines(table, motion)) {
       found.push_back({fmt::format("{}_exponent_{}", engine, motion),
                        exponent(table, engine, motion, time),
-                       fmt::format("b of CPU time = a tiles^b from 100 tiles on, {}", engine)});
+                       fmt::format("b of CPU time = a tiles^b above 100 tiles, {}", engine)});
     }
   }
   return found;
@@ -134,13 +134,13 @@ std::vector<Finding> scalingFindings(const Table& table) {
 Study scalingStudy(const SheetMethods& methods) {
   return {"scaling",
           "cost and memory of a step on sheets of 25 to 10,000 tiles",
-          {{"engine", "what held the joints"},
+          {{"engine", "solver of the joints"},
            {"motion", "plane or space"},
-           {"tiles", "of the sheet"},
-           {"steps", "taken, of 1/240 s"},
-           {"ms_per_step", "CPU milliseconds"},
-           {"setup_ms", "CPU milliseconds before the first step"},
-           {"memory_mb", "that bricks, joints and solver hold, millions of bytes"},
+           {"tiles", "number of tiles"},
+           {"steps", "number of steps of 1/240 s"},
+           {"ms_per_step", "CPU time of a step, milliseconds"},
+           {"setup_ms", "CPU time before the first step, milliseconds"},
+           {"memory_mb", "memory of bricks, joints and solver, millions of bytes"},
            {"gap_m", "largest joint gap of all steps, metres"}},
           sheetCases(methods, scalingCase),
           scalingFindings};

@@ -73,7 +73,8 @@ std::vector<double> valuesOf(const std::string& parameter, bool quick) {
   return quick ? std::vector{0.005, 0.05} : std::vector{0.001, 0.005, 0.02, 0.05, 0.1};
 }
 
-// Every curve once with ours and once with Bullet; a quick study has two values per panel.
+// Every curve once with the direct solver and once with Bullet; a quick study has two values per
+// panel.
 std::vector<StudyCase> sensitivityCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
@@ -107,11 +108,11 @@ double largestGap(const Table& table, const std::string& engine, bool contacts) 
 std::vector<Finding> sensitivityFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_gap", largestGap(table, "direct", false),
-           "largest joint gap of ours in the panels without contacts, metres"},
-          {"bullet_gap", largestGap(table, bullet, false), "the same of Bullet, metres"},
+           "largest joint gap of the direct solver in the panels without contacts, metres"},
+          {"bullet_gap", largestGap(table, bullet, false), "the same, Bullet, metres"},
           {"direct_gap_contacts", largestGap(table, "direct", true),
-           "largest joint gap of ours in the panels of thickness, metres"},
-          {"bullet_gap_contacts", largestGap(table, bullet, true), "the same of Bullet, metres"}};
+           "largest joint gap of the direct solver in the panels of thickness, metres"},
+          {"bullet_gap_contacts", largestGap(table, bullet, true), "the same, Bullet, metres"}};
 }
 
 }  // namespace
@@ -121,12 +122,12 @@ Study sensitivityStudy() {
           "k_f, mu_v and thickness on a square to a disk and on a cap: error by time",
           {{"model", "family of the model"},
            {"parameter", "k_f in N/m, mu_v in N s/m, or thickness in metres, with contacts"},
-           {"value", "of the parameter"},
-           {"engine", "what held the joints"},
+           {"value", "value of the parameter"},
+           {"engine", "solver of the joints"},
            {"time_s", "simulated seconds"},
            {"error_m", "largest distance of a vertex from its target, metres"},
            {"gap_m", "largest joint gap up to then, metres"},
-           {"cpu_ms_per_s", "CPU milliseconds a simulated second, up to then"}},
+           {"cpu_ms_per_s", "CPU time per simulated second until then, milliseconds"}},
           sensitivityCases,
           sensitivityFindings};
 }

@@ -92,7 +92,7 @@ std::vector<Finding> squareToDiskFindings(const Table& table) {
           {"direct_radius_error_closed", largest(table, "direct", "radius_error_m", true),
            "the same nearer to the closed states, which are singular, metres"},
           {"direct_vertex_error", largest(table, "direct", "vertex_error_m", false),
-           "largest error of a vertex of ours from 5 to 175 degrees, metres"},
+           "largest vertex error of the direct solver from 5 to 175 degrees, metres"},
           {"bullet_radius_error", largest(table, bullet, "radius_error_m", false),
            "largest error of Bullet's radius from 5 to 175 degrees, metres"},
           {"bullet_vertex_error", largest(table, bullet, "vertex_error_m", false),
@@ -104,7 +104,7 @@ std::vector<Finding> squareToDiskFindings(const Table& table) {
 Study squareToDiskStudy() {
   return {"square2disk",
           "a square that becomes a disk, against its motion in closed form",
-          {{"engine", "what held the joints"},
+          {{"engine", "solver of the joints"},
            {"time_s", "simulated seconds"},
            {"angle_deg", "by which tile 1 has turned against tile 0, degrees"},
            {"radius_m", "largest distance of a vertex from the mean of all, metres"},

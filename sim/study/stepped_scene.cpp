@@ -174,7 +174,8 @@ std::vector<Method> sweepMethods(const Engine& engine, Extent extent) {
   return methods;
 }
 
-// Engines are named by substeps x iterations; ours by its step, or by its tolerance if it has one.
+// Other engines are named by substeps x iterations, the direct solver by its step, or by its
+// tolerance if it has one.
 std::string toString(const Method& method) {
   if (method.tolerance > 0) return fmt::format("direct to {:.0e} tiles", method.tolerance);
   if (method.engine == kDirect) return fmt::format("direct 1/{} s", method.rate);

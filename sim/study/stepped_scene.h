@@ -151,8 +151,8 @@ Stability watchStability(SteppedScene& run, int steps,
 scene::Scene familyScene(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
-// Studies of methods on square sheets. `kirireel study` passes ours and Bullet's methods, a
-// benchmark program those of other engines.
+// Studies of methods on square sheets. `kirireel study` passes the direct solver's and Bullet's
+// methods, a benchmark program those of other engines.
 
 /// A method on a square sheet.
 struct SheetMethod {
@@ -178,8 +178,8 @@ std::function<std::vector<StudyCase>(Extent)> sheetCases(const SheetMethods& met
                                                          StudyCase (*makeCase)(const SheetMethod&,
                                                                                Extent));
 
-/// The engines in the table's rows of a motion that are neither ours nor Bullet's, in the order of
-/// their first rows.
+/// The engines in the table's rows of a motion other than the direct solver and Bullet, in the
+/// order of their first rows.
 std::vector<std::string> otherEngines(const Table& table, const std::string& motion);
 
 // ------------------------------------------------------------------------------------------------

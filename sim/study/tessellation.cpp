@@ -81,19 +81,19 @@ double largestAngle(const Table& table) {
 std::vector<Finding> tessellationFindings(const Table& table) {
   std::vector<Finding> found = {
       {"direct_error_start", largestError(table, "direct", true),
-       "largest vertex error of ours up to 2.3 degrees, metres"},
+       "largest vertex error of the direct solver up to 2.3 degrees, metres"},
       {"direct_error_open", largestError(table, "direct", false),
-       "largest vertex error of ours beyond, metres"},
-      {"direct_angle", largestAngle(table), "that ours reached, degrees"},
+       "largest vertex error of the direct solver above 2.3 degrees, metres"},
+      {"direct_angle", largestAngle(table), "largest angle of the direct solver, degrees"},
       {"bullet_error_start", largestError(table, "sequential impulse", true),
-       "the same of Bullet up to 2.3 degrees, metres"},
+       "largest vertex error of Bullet up to 2.3 degrees, metres"},
       {"bullet_error_open", largestError(table, "sequential impulse", false),
-       "the same of Bullet beyond, metres"}};
+       "largest vertex error of Bullet above 2.3 degrees, metres"}};
   for (const char* motion : {"plane", "space"}) {
     for (const std::string& engine : otherEngines(table, motion)) {
       found.push_back(
           {fmt::format("{}_error_open", engine), largestError(table, engine, false),
-           fmt::format("largest vertex error of {} beyond 2.3 degrees, metres", engine)});
+           fmt::format("largest vertex error of {} above 2.3 degrees, metres", engine)});
     }
   }
   return found;
@@ -104,7 +104,7 @@ std::vector<Finding> tessellationFindings(const Table& table) {
 Study tessellationStudy(const SheetMethods& methods) {
   return {"tessellation",
           "4 x 4 squares from 0 to 90 degrees against the exact motion",
-          {{"engine", "what held the joints"},
+          {{"engine", "solver of the joints"},
            {"motion", "plane or space"},
            {"time_s", "simulated seconds"},
            {"angle_deg", "between neighbouring tiles, degrees"},

@@ -4,7 +4,7 @@
 // There are three errors: the largest joint gap of any step; the error of shape, against the exact
 // sheet at the same angle (beyond 0.04 radians, because the closed state is singular); and the
 // error in time, against the limit of short steps (exact_sheet.cpp). Findings compare an engine
-// with ours in the plane of cost and gap: the cost of its tightest setting, the smallest ratio of
+// with the direct solver: the cost of its tightest setting, the smallest ratio of
 // costs at no larger gap, the largest ratio of gaps at no larger cost.
 #include <algorithm>
 #include <cmath>
@@ -172,7 +172,7 @@ bool isOurs(const CostPoint& point) {
 
 using Belongs = std::function<bool(const CostPoint&)>;
 
-/// CPU time of the setting with the smallest gap, over that of ours at the same step.
+/// CPU time of the setting with the smallest gap, over the direct solver's at the same step.
 double tightestOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   const CostPoint* tightest = nullptr;
   for (const CostPoint& point : points) {
@@ -218,7 +218,7 @@ void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& po
   const std::string title = fmt::format("{}_{}", engine, motion);
   found.push_back(
       {title + "_tightest_cost", tightestOverOurs(points, belongs),
-       "CPU time of its setting with the smallest gap over that of ours at the same step"});
+       "CPU time of its setting with the smallest gap, over the direct solver at the same step"});
   found.push_back({title + "_least_cost", leastOverOurs(points, belongs),
                    "smallest of all its settings: CPU time over our cheapest with no larger gap"});
   found.push_back({title + "_gap_at_equal_cost", gapAtEqualCost(points, belongs),
@@ -244,25 +244,26 @@ std::vector<Finding> workPrecisionFindings(const Table& table) {
 }  // namespace
 
 Study workPrecisionStudy(const SheetMethods& methods) {
-  return {"work-precision",
-          "CPU time against joint gap and position, 100 squares from closed",
-          {{"engine", "what held the joints"},
-           {"motion", "plane or space"},
-           {"points", "point joints that the engine has for each hinge"},
-           {"rate", "steps a simulated second"},
-           {"substeps", "in each step"},
-           {"iterations", "in each substep"},
-           {"correction", "part of a gap that Bullet takes back in a substep"},
-           {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
-           {"simulated_s", "seconds; less than planned where the run was cut off"},
-           {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
-           {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
-           {"shape_error_m",
-            "largest distance of a vertex from the exact sheet at the same opening angle, metres"},
-           {"way_error_m",
-            "largest distance of a vertex from where it should be at that time, metres"}},
-          sheetCases(methods, workPrecisionCase),
-          workPrecisionFindings};
+  return {
+      "work-precision",
+      "CPU time against joint gap and position, 100 squares from closed",
+      {{"engine", "solver of the joints"},
+       {"motion", "plane or space"},
+       {"points", "point joints that the engine has for each hinge"},
+       {"rate", "steps a simulated second"},
+       {"substeps", "in each step"},
+       {"iterations", "in each substep"},
+       {"correction", "part of a gap that Bullet takes back in a substep"},
+       {"tolerance", "tolerance of the direct solver's steps in time, tiles; 0 for fixed steps"},
+       {"simulated_s", "simulated seconds; less than planned if the run was stopped early"},
+       {"cpu_ms_per_s", "CPU time per simulated second, milliseconds"},
+       {"gap_m", "largest joint gap of all steps, metres; none if the sheet flew apart"},
+       {"shape_error_m",
+        "largest distance of a vertex from the exact sheet at the same opening angle, metres"},
+       {"way_error_m",
+        "largest distance of a vertex from its exact position at that time, metres"}},
+      sheetCases(methods, workPrecisionCase),
+      workPrecisionFindings};
 }
 
 Study workPrecisionStudy() {

@@ -50,8 +50,8 @@ struct Mobility {
   /// unknown.
   bool areBounds = false;
 
-  /// Whether no singular value that counts could be that of a redundant joint of tiles with a
-  /// misfit.
+  /// Whether all singular values that count are too large to come from a redundant joint of tiles
+  /// that do not fit exactly.
   bool isCertain() const { return isCounted && (rank == 0 || smallestKept > model::kMaxMisfit); }
 };
 

@@ -26,7 +26,6 @@ struct StepRecord {
   double targetError = 0;   ///< largest; 0 without a target
   StepReport took;          ///< report of the solver
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<StepRecord>(
         field("time", &StepRecord::time, "s"), field("joint_gap", &StepRecord::jointGap, "m"),
@@ -46,14 +45,13 @@ struct Energies {
   /// Input of the drives since before the start: they tighten, move and stiffen springs, stiffen
   /// joints, and expand the bricks. Includes gravity.
   double work = 0;
-  double damped = 0;    ///< removed by dampers, >= 0
+  double damped = 0;  ///< removed by dampers, >= 0
   /// Removed by contacts, through impacts and friction, and by pins that stop moving tiles.
   double impacted = 0;
 
   /// Loss of the integrator: the remainder.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Energies>(
         field("kinetic", &Energies::kinetic, "J", "of the bricks"),
@@ -90,7 +88,6 @@ struct Hold {
   Vector3 point;        ///< a pinned tile's centre of mass, the grip's point, or the centre of the
                         ///< contact force, metres
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Hold>(field("kind", &Hold::kind), field("tile", &Hold::tile),
                                 field("other", &Hold::other), field("force", &Hold::force, "N"),
@@ -109,7 +106,6 @@ struct Mechanics {
   std::vector<bool> isIndeterminate;
   std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Mechanics>(field("energies", &Mechanics::energies),
                                      field("joint_forces", &Mechanics::jointForces, "N"),
@@ -131,7 +127,6 @@ struct Sample {
   /// For runs with dynamics by the direct solver; kinematic paths and engines have none.
   std::optional<Mechanics> mechanics;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Sample>(field("time", &Sample::time, "s"), field("poses", &Sample::poses),
                                   field("joint_gap", &Sample::jointGap, "m"),
@@ -148,7 +143,6 @@ struct FigureState {
   double time = 0;     ///< simulated seconds from the start
   Poses poses;         ///< one per brick
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<FigureState>(field("figure", &FigureState::figure),
                                        field("time", &FigureState::time, "s"),
@@ -163,7 +157,6 @@ struct Event {
 
   bool operator==(const Event&) const = default;
 
-  /// For files; see base/fields.h.
   static constexpr auto fields() {
     return describeFields<Event>(field("time", &Event::time, "s"), field("what", &Event::text));
   }

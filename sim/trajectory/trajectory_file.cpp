@@ -1119,9 +1119,7 @@ struct TrajectoryReader::FileRun final : Internals {
       for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.member = entries[k];
     }
     for (const StepFigure& figure : kStepFigures) {
-      const std::string name = arrayOf(figure);
-      if (!file.has(name)) continue;  // of an older file: zero
-      const std::vector<double> entries = stepEntries(name);
+      const std::vector<double> entries = stepEntries(arrayOf(figure));
       for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
     }
     const auto later = [](const StepRecord& one, const StepRecord& next) {

@@ -13,10 +13,9 @@
 ///       joint_apart           joints x 3       m, corner b to a, of links and fixed joints
 ///       joints_within_tiles   rows of joints   between parts of one bending tile; only if
 ///                                              there are some
-///       pulled_tiles          (only if given)
+///       pulled_tiles          tiles             only if given
 ///     model/sheet/            vertices, edges and faces of the model's FOLD file, with its
-///     numbers;
-///                             only if it has one. Attributes: see kSheetFlags
+///                             numbers; only if it has one. Attributes: see kSheetFlags
 ///       vertices              vertices x 3     m, at the start
 ///       edges                 edges x 3        two vertices, letter as ASCII code
 ///       fold_angles           edges            degrees; kNoAngle for edges without an angle
@@ -30,20 +29,20 @@
 ///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
 ///     obstacles/face_sizes    faces            vertices of each face; only if there are some
 ///     obstacles/vertices      vertices x 3     m, world axes
-///     GROUP/                  of each force between pairs of bricks that the run has, see
-///                             pairForceKinds(); the arrays besides `bricks` are the kind's own:
+///     GROUP/                  one group for each kind of force between pairs of bricks, see
+///                             pairForceKinds(). All kinds have `bricks`; the rest differs:
 ///     hinges/                 springs at hinges
 ///       bricks                springs x 2      the two bricks of each hinge
 ///       axis                  springs x 3
 ///       start, least, most, rest   springs     rad
 ///       stiffness, damping    springs          N m/rad, N m s/rad
 ///     ligaments/              ligaments in place of joints; see Ligament
-///       bricks                ligaments x 2    the two bricks that each joins
+///       bricks                ligaments x 2    the two bricks of each ligament
 ///       joint                 ligaments        the joint that it replaces
 ///       point_a, point_b      ligaments x 3    m, in the axes of its bricks
-///       start                 ligaments x 3    m, from point a to point b; 0 of a pin
-///       across                ligaments x 3    unit, of a pin
-///       stretch, shear        ligaments        N/m, N m/rad (of a pin N/m)
+///       start                 ligaments x 3    m, from point a to point b; 0 for a pin
+///       across                ligaments x 3    direction, length 1; only for a pin
+///       stretch, shear        ligaments        N/m, N m/rad (for a pin N/m)
 ///       opening_2, opening_3  ligaments        N m/rad^2, N m/rad^3
 ///     ground/                 attributes height, friction; only if there is one
 ///     time                    samples          s
@@ -53,9 +52,6 @@
 ///     steps/NAME              steps            the start and the end of each step: time (s),
 ///                                              joint_gap, joint_gap_mean, target_error (m), and
 ///                                              its cost: solver_steps, halved_steps, ...
-///                                              (files before 0.3 have none of rejected_steps to
-///                                              singular_time, older ones no
-///                                              rounding, energy_rounding)
 ///     energy/NAME             samples          J; kinetic, spring, elastic, work, damped,
 ///                                              impacted
 ///     forces/joint            samples x joints x 3   N, on tile a, world axes; NaN: not balanced
@@ -243,7 +239,7 @@ inline std::string arrayOf(const Field<Energies, double>& energy) {
 inline std::string arrayOf(const Field<Hold, Vector3>& vector) {
   return std::string("holds/") + vector.name;
 }
-/// The array of a figure of the steps' reports. Files of earlier releases lack some.
+/// The array of a figure of the steps' reports.
 inline std::string arrayOf(const StepFigure& figure) {
   return std::string("steps/") + figure.name;
 }

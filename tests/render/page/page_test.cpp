@@ -88,8 +88,8 @@ TEST_F(WebPage, TakesColoursAndOpacitiesOfSingleTiles) {
   EXPECT_EQ(dataOf(text())["light"], plain["light"]);
   settings_.appearance.tileOpacities = {{{4}, 0.3}};
   EXPECT_THAT([&] { text(); },
-              testing::ThrowsMessage<InputError>("error: --tile-opacity: there is no tile 4; the "
-                                                 "model's are numbered 0 to 3"));
+              testing::ThrowsMessage<InputError>("error: --tile-opacity: the model has no tile "
+                                                 "4. Give tiles from 0 to 3"));
 }
 
 TEST_F(WebPage, ShowsStatesAtEqualStepsOfMotion) {

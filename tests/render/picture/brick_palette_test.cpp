@@ -270,8 +270,7 @@ TEST(BrickPalette, SingleTilesHaveTheirOwnColours) {
             (picture::Colour{200, 0, 0}));
   appearance.tileColours = {{{static_cast<int>(content.bricks.size())}, {}}};
   EXPECT_EQ(refusalOf(appearance, content),
-            fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
-                        "{}",
+            fmt::format("error: --tile-colour: the model has no tile {}. Give tiles from 0 to {}",
                         content.bricks.size(), content.bricks.size() - 1));
   appearance.colouring = picture::Colouring::Rotation;
   EXPECT_EQ(
@@ -318,10 +317,10 @@ TEST(BrickPalette, TilesHaveTheRequestedOpacity) {
     EXPECT_EQ(picture::isDrawn(colours[1]), true);
     EXPECT_EQ(picture::isDrawn(colours[3]), false);
     appearance.tileOpacities = {{{static_cast<int>(content.bricks.size())}, 0.5}};
-    EXPECT_EQ(refusalOf(appearance, content),
-              fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
-                          "to {}",
-                          content.bricks.size(), content.bricks.size() - 1));
+    EXPECT_EQ(
+        refusalOf(appearance, content),
+        fmt::format("error: --tile-opacity: the model has no tile {}. Give tiles from 0 to {}",
+                    content.bricks.size(), content.bricks.size() - 1));
   }
 }
 

@@ -194,12 +194,12 @@ TEST(PictureSetup, RefusesTrailsOfMissingVertices) {
   EXPECT_EQ(test::refusalOf([&] {
               picture::PictureSetup(appearance, tessellationContent(), {300, 300});
             }),
-            "error: --trail: there is no tile 16; the model's are numbered 0 to 15");
+            "error: --trail: the model has no tile 16. Give tiles from 0 to 15");
   appearance.trails = {{0, 4}};
   EXPECT_EQ(test::refusalOf([&] {
               picture::PictureSetup(appearance, tessellationContent(), {300, 300});
             }),
-            "error: --trail: tile 0 has no vertex 4; its vertices are numbered 0 to 3");
+            "error: --trail: tile 0 has no vertex 4. Give vertices from 0 to 3");
 }
 
 TEST(PictureSetup, RefusesLinesOfAMissingTarget) {

@@ -64,13 +64,13 @@ TEST(Interruption, ReachesThreadsThatItIsCarriedTo) {
 }
 
 TEST(Interruption, ReportsWhetherItWouldBeCaught) {
-  EXPECT_FALSE(InterruptionCatcher::isThere());
+  EXPECT_FALSE(InterruptionCatcher::exists());
   {
     const InterruptionCatcher outer;
     { const InterruptionCatcher inner; }
-    EXPECT_TRUE(InterruptionCatcher::isThere());
+    EXPECT_TRUE(InterruptionCatcher::exists());
   }
-  EXPECT_FALSE(InterruptionCatcher::isThere());
+  EXPECT_FALSE(InterruptionCatcher::exists());
 }
 
 }  // namespace

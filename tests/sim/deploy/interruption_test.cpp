@@ -18,7 +18,7 @@ class InterruptAtCheck {
   explicit InterruptAtCheck(int check) : check_(check) {}
 
   void operator()() {
-    if (InterruptionCatcher::isThere() && ++checks_ == check_) throw Interrupted();
+    if (InterruptionCatcher::exists() && ++checks_ == check_) throw Interrupted();
   }
 
  private:

@@ -102,7 +102,7 @@ std::vector<std::pair<run::Phase, double>> phasesOf(const scene::Scene& scene) {
   run::CurrentTarget target(bricks, {.error = 0});
   run::RunDrive drive(bricks, clock);
   target.set(nullptr, motion.poses());
-  drive.headFor(target, motion.poses());
+  drive.startTowards(target, motion.poses());
   std::vector<std::pair<run::Phase, double>> phases;
   while (clock.time() < 4) {
     clock.beginStep(drive.nextMoment());

@@ -17,7 +17,7 @@ study::Table sampleTable() {
   study::Table table;
   table.caption = {"scaling", "quick", "kirireel study scaling --quick", "a machine, 2 cores",
                    "1.0"};
-  table.columns = {{"case", ""}, {"tiles", "of the sheet"}, {"note", ""}};
+  table.columns = {{"case", ""}, {"tiles", "number of tiles"}, {"note", ""}};
   table.rows = {{"a", study::cell(25), ""},
                 {"b", study::cell(1.0 / 3), study::cell(std::string("x, y\nz"))}};
   return table;
