@@ -7,7 +7,7 @@
 //      |x|_M^2 / (2 h^2) + E(q + x)
 //    over displacements x that joints allow. For h^2 K >> M this is Newton's method on the
 //    springs' energy E. It converges to the equilibrium, a local minimum of the sum of
-//    squares.
+//    squares. If its joints do not close, the step is repeated with a shorter h.
 // 3. The goal is the smallest maximum distance, not the smallest sum of squares. w_i is
 //    multiplied by e_i / max e, e_i the brick's error (m). All weights are scaled to the mean
 //    1 and bounded on both sides: every brick is pulled. This is Lawson's iteration (see
@@ -39,6 +39,10 @@ namespace {
 
 // Steps start from rest. Long steps then approximate Newton's method on the springs' energy.
 constexpr double kStep = 0.25;  // seconds
+// A step whose joints do not close is repeated with this fraction of its length, down to this
+// fraction of the longest.
+constexpr double kShorter = 0.25;
+constexpr double kShortestStep = 1e-3;
 // The largest stiffening factor of a run's springs (kLargestFactor of forces.cpp).
 constexpr double kSpringStiffening = 16;
 constexpr int kSteps = 200;
@@ -64,6 +68,7 @@ class Assembly {
       : scene_(scene),
         target_(*scene.model.target),
         bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(brick::makePivots(scene.model.joints, bricks_)),
         springs_(bricks_, target_, scene.model.pulledTiles, scene.springs),
         weights_(bricks_.size(), 1.0),
         tile_(model::tileSize(scene.model)),
@@ -106,9 +111,11 @@ class Assembly {
 
   void beginAt(Poses poses) {
     motion_.poses = std::move(poses);
+    step_ = kStep;
     weights_.assign(bricks_.size(), 1.0);
     dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, motion_.poses,
                              contacts::FaceContact::Plane);
+    dynamics_->setHalving(false);
     // Joints of rounded tiles are springs, relative to the pull's own stiffness. If tiles fit in no
     // state nearby, joints have the stiffness for misfits.
     const double rounded = roundedJointStiffness(scene_.model);
@@ -122,13 +129,12 @@ class Assembly {
   /// Comes nearer with softer joints, as long as they stay closed within the rounding.
   void soften() {
     if (!std::isfinite(roundedJointStiffness(scene_.model))) return;
-    const std::vector<brick::Pivot> pivots = brick::makePivots(scene_.model.joints, bricks_);
     double closed = roundedJointStiffness(scene_.model);
     softenWhileClosed(scene_.model, [&](double stiffness) {
       const Poses before = motion_.poses;
       dynamics_->setJointStiffness(stiffness * pullStiffness());
       comeToRest(kSteps);
-      if (trajectory::jointGap(pivots, motion_.poses).max <= roundedGap(scene_.model)) {
+      if (largestGap(motion_.poses) <= roundedGap(scene_.model)) {
         closed = stiffness;
         return true;
       }
@@ -173,20 +179,28 @@ class Assembly {
   }
 
   double error() const { return trajectory::targetError(target_, bricks_, motion_.poses); }
+  double largestGap(const Poses& poses) const { return trajectory::jointGap(pivots_, poses).max; }
   bool mayStep() const { return !shouldContinue_ || shouldContinue_(); }
 
-  // One implicit step from rest.
-  void step() {
-    // Without velocities the step does not overshoot the minimum.
-    motion_.velocities.assign(bricks_.size(), Velocity{});
-    dynamics_->advance(motion_, kStep, pull_);
+  /// One implicit step from rest: without velocities it does not overshoot the minimum. Returns
+  /// false if the joints do not close even after the shortest one.
+  bool step() {
+    for (; step_ >= kShortestStep * kStep; step_ *= kShorter) {
+      Motion tried{motion_.poses, std::vector<Velocity>(bricks_.size())};
+      dynamics_->advance(tried, step_, pull_);
+      const bool isExact = std::isinf(dynamics_->jointStiffness());
+      if (isExact && largestGap(tried.poses) > model::kClosedShare * tile_) continue;
+      motion_ = std::move(tried);
+      return true;
+    }
+    return false;
   }
 
   // Steps until the error no longer changes, at most `steps` times.
   void comeToRest(int steps) {
     double last = error();
     for (int i = 0; i < steps && last > kNegligibleError * tile_ && mayStep(); ++i) {
-      step();
+      if (!step()) break;
       const double before = last;
       last = error();
       if (std::abs(last - before) <= kConverged * last) break;
@@ -214,7 +228,7 @@ class Assembly {
     for (int i = 0; i < kReweightings && patience > 0 && mayStep(); ++i) {
       if (isNearEnough(state)) break;
       reweight();
-      step();
+      if (!step()) break;
       --patience;
       if (!keepIfNearer(state) || state.error > (1 - kGain) * gainedFrom) continue;
       gainedFrom = state.error;
@@ -225,12 +239,14 @@ class Assembly {
   const scene::Scene& scene_;
   const std::vector<model::Tile>& target_;
   std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
   TargetSprings springs_;
   std::vector<double> weights_;  // of the springs, one per brick, mean 1
   double tile_;                  // metres
   double rigidBound_;            // metres
   const std::function<bool()>& shouldContinue_;
   Motion motion_;
+  double step_ = kStep;  // seconds
   std::unique_ptr<Dynamics> dynamics_;
   mechanics::LoadSource pull_;
 };

@@ -88,6 +88,24 @@ TEST(AssembledError, OfATargetWithOpenJointsIsNotAboveTheRunsEnd) {
   EXPECT_LT(trajectory::jointGap(pivots, nearest.poses).max, 1e-9);
 }
 
+TEST(AssembledError, OfTilesThatDoNotFitHasClosedJoints) {
+  // A closed shell is singular. If its tiles do not quite fit, long steps cannot close its joints.
+  scene::Scene scene;
+  scene.model = generate::makeCubeToSphere({.size = 6});
+  std::mt19937 random(1);
+  std::normal_distribution<double> error(0, 1e-4 * model::tileSize(scene.model));
+  for (std::vector<model::Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
+    for (model::Tile& tile : *tiles) {
+      const Vector3 by(error(random), error(random), error(random));
+      for (Vector3& vertex : tile.vertices) vertex += by;
+    }
+  }
+  const run::AssembledState nearest = run::assembleAtTarget(scene);
+  const std::vector<brick::Brick> bricks = brick::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<brick::Pivot> pivots = brick::makePivots(scene.model.joints, bricks);
+  EXPECT_LT(trajectory::jointGap(pivots, nearest.poses).max, 1e-9);
+}
+
 TEST(AssembledError, IsNegativeWithoutTarget) {
   scene::Scene scene = closedToClosed();
   scene.model.target.reset();
