@@ -252,13 +252,14 @@ std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const
     const int other = isSwapped ? touch.brickA : touch.brickB;
     pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
   }
-  // The solver of planar scenes has no motion along the normal. The ground carries the weight below
-  // the centre of mass: the same even pressure that gives the friction.
+  // The solver of planar scenes has no motion along the normal. The ground carries the weight where
+  // it balances the moment of friction, which acts at the bottom.
   for (std::size_t i = 0; isLying_ && i < bricks_.size(); ++i) {
+    PairSum& ground = pairs[{static_cast<int>(i), brick::kFixed}];
     const double weight = -bricks_[i].mass * environment_.gravity.z();
-    const Vector3 centre = poses[i].position - 0.5 * bricks_[i].thickness * Vector3::UnitZ();
-    pairs[{static_cast<int>(i), brick::kFixed}].add(
-        {static_cast<int>(i), brick::kFixed, centre, weight * Vector3::UnitZ(), weight}, 1);
+    const Vector3 down = -Vector3::UnitZ() - ground.force / weight;
+    const Vector3 centre = poses[i].position + 0.5 * bricks_[i].thickness * down;
+    ground.add({static_cast<int>(i), brick::kFixed, centre, weight * Vector3::UnitZ(), weight}, 1);
   }
   std::vector<trajectory::Hold> holds;
   for (const auto& [pair, sum] : pairs) {
