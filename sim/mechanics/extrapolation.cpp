@@ -34,7 +34,8 @@ constexpr double kMaxFactor = 20;
 // The order changes if the work per second falls by these factors.
 constexpr double kFewer = 0.8;
 constexpr double kMore = 0.9;
-// The first step and the shortest useful step, over the longest step.
+// The first step and the shortest step, over the longest one. Tolerances below kShortest allow
+// shorter steps: the tolerance over the longest one.
 constexpr double kFirst = 1.0 / 64;
 constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
@@ -407,7 +408,7 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
     } else {
       chooseAgain(trial);
     }
-    if (length_ < kShortest * settings_.longestStep) break;
+    if (length_ < std::min(kShortest, settings_.tolerance) * settings_.longestStep) break;
   }
   length_ = kFirst * settings_.longestStep;
   return {.isRefused = isRefused};

@@ -95,17 +95,21 @@ Energies energiesOf(const Sheet& sheet, double tolerance, int calls) {
 }
 
 // In each of the longest steps the energy may change by a tenth of the tolerance. Measured: gains
-// of at most 0.5 of the allowed, losses of 0.8. With 1e9 N m/rad the steps damp the energy and
-// report that the tolerance is exceeded.
+// of at most 0.5 of the allowed, losses of 0.8. Tolerances of 1e-5 and less allow steps that are
+// short enough for 1e9 N m/rad in the plane. Otherwise damped steps exceed the tolerance, and
+// report this.
 TEST(SprungSheetsToATolerance, GainNoEnergyBeyondIt) {
-  constexpr int kCalls = 12;
   unsigned seed = 0;
   for (const bool isPlanar : {true, false}) {
     for (const double stiffness : {1.0, 1e2, 1e4, 1e6, 1e9}) {
       for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) {
         const Sheet sheet{2 + static_cast<int>(++seed % 2), stiffness, isPlanar, seed};
-        const Energies energies = energiesOf(sheet, tolerance, kCalls);
-        const double allowed = 0.1 * tolerance * kCalls + energies.rounding;
+        const int calls = stiffness > 1e6 ? 1 : 12;
+        const Energies energies = energiesOf(sheet, tolerance, calls);
+        const double allowed = 0.1 * tolerance * calls + energies.rounding;
+        if (tolerance < 1e-3 && (isPlanar || stiffness <= 1e6)) {
+          EXPECT_EQ(energies.exceeded, 0) << stiffness << " " << isPlanar;
+        }
         EXPECT_LT(energies.gain, 1.5 * allowed) << stiffness << ' ' << tolerance << isPlanar;
         if (energies.exceeded == 0) {
           EXPECT_LT(energies.loss, 1.5 * allowed) << stiffness << ' ' << tolerance << isPlanar;
