@@ -928,9 +928,6 @@ class CutPatternReader {
     }
     std::string text = fmt::format("{}: note: {}, sheet {:.4g} x {:.4g} mm", file_.string(),
                                    reading.found, box.sizes().x() * 1e3, box.sizes().y() * 1e3);
-    if (drawing_.unitName == "px") text += " (px of 1/96 inch)";
-    if (drawing_.unitName == "units" && std::abs(drawing_.unit - 1e-3) < 1e-12)
-      text += " (no unit in the file: mm)";
     if (groups_.size() > 1) text += "; lines: " + describeGroups();
     if (drawing_.flattening > 0)
       text += fmt::format("; curves straight to within {:.2g} mm",
@@ -973,6 +970,7 @@ void rescale(Drawing& drawing, const LengthUnit& unit) {
   drawing.flattening *= factor;
   drawing.unit = unit.metres;
   drawing.unitName = unit.name;
+  drawing.hasUnit = true;
 }
 
 /// `ignored` receives the lines that are not cut.
@@ -1032,10 +1030,15 @@ model::Model readCutPattern(const fs::path& file, const ReadSettings& settings,
 DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
                           std::vector<std::string>& warnings) {
   Drawing drawing = readDrawing(file);
-  const std::optional<LengthUnit> declared = findLengthUnit(drawing.unitName);
-  if (!declared && settings.unit) rescale(drawing, *settings.unit);
-  // An unknown unit such as px means millimetres, the most common unit of exported drawings.
-  const LengthUnit unit = settings.unit.value_or(declared.value_or(millimetre()));
+  if (!drawing.hasUnit && settings.unit) rescale(drawing, *settings.unit);
+  if (!drawing.hasUnit) {
+    warnings.push_back(fmt::format(
+        "{}: note: the drawing has no unit of length, so {}. `unit` sets another", file.string(),
+        drawing.unitName == "px" ? "pixels are 1/96 inch" : "its numbers are in mm"));
+  }
+  // Other units, such as px, are shown in millimetres, the most common unit of exported drawings.
+  const LengthUnit unit =
+      settings.unit.value_or(findLengthUnit(drawing.unitName).value_or(millimetre()));
   ReadSettings inMetres = settings;
   inMetres.neckWidth *= unit.metres;
   DrawnSheet sheet;

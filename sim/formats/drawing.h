@@ -34,7 +34,8 @@ struct Drawing {
   std::vector<DrawnPath> shapes;  ///< filled shapes without a stroke, if other lines have strokes
   std::map<std::string, int> ignored;  ///< other elements than lines, with counts: {"text", 2}
   double unit = 1;                     ///< metres per unit of the drawing's coordinates
-  std::string unitName;                ///< "mm"; "px" or "units" if the file has no unit of length
+  std::string unitName;                ///< "mm"; "px" or "units" if that is no unit of length
+  bool hasUnit = false;                ///< whether the file gives its size in a unit of length
   bool isDownwards = false;            ///< the drawing's y axis points down
   Vector2 origin = Vector2::Zero();    ///< of the drawing's coordinates, metres
   double rounding = 0;                 ///< last digit of its coordinates, metres; 0: all digits

@@ -207,8 +207,9 @@ class DxfReader {
       if (unit == 0 || known == units->end()) continue;
       drawing_.unit = known->metres;
       drawing_.unitName = known->name;
+      drawing_.hasUnit = true;
     }
-    if (unit != 0 && drawing_.unitName == "units") {
+    if (unit != 0 && !drawing_.hasUnit) {
       ++drawing_
             .ignored[fmt::format("$INSUNITS {}, which is not supported (`unit` decides)", unit)];
     }

@@ -405,6 +405,12 @@ class SvgReader {
       const std::string_view text = trimmed(root.attribute(name).value());
       return text.empty() || text.ends_with('%') || text == "auto";
     };
+    for (const char* name : {"width", "height"}) {
+      const std::string text = lowerCase(trimmed(root.attribute(name).value()));
+      const std::string unit = text.substr(text.find_last_of("0123456789. ") + 1);
+      const bool isOfScreen = unit == "px" || unit == "em" || unit == "ex";
+      drawing_.hasUnit = drawing_.hasUnit || (kSvgUnits.contains(unit) && !isOfScreen);
+    }
     const double width = isShare("width") ? 0 : length(root, "width", 0);
     const double height = isShare("height") ? 0 : length(root, "height", 0);
     SvgTransform transform = viewTransform(root, width, height);

@@ -546,6 +546,49 @@ TEST(CutPatterns, CoordinatesMayHaveOneDecimal) {
   }
 }
 
+// The size of the page defines lengths, in any unit of the coordinates.
+TEST(CutPatterns, OptionsDoNotScaleDrawingsWithAUnit) {
+  const LengthUnit inch = *findLengthUnit("in");
+  const auto square = [](const std::string& size, double side) {
+    return fmt::format("<svg {} viewBox=\"0 0 {} {}\"><rect width=\"{}\" height=\"{}\"/></svg>",
+                       size, 2 * side, 2 * side, side, side);
+  };
+  const auto mils = [](int unit) {
+    return fmt::format(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
+        "0\nLWPOLYLINE\n8\n0\n70\n1\n10\n0\n20\n0\n10\n40\n20\n0\n10\n40\n20\n40\n10\n0\n20\n"
+        "40\n0\nENDSEC\n0\nEOF\n",
+        unit);
+  };
+  struct Case {
+    std::string name, text;
+    double side;    // metres
+    double inches;  // the same with `unit = in`
+  };
+  const std::vector<Case> cases = {
+      // Pixels and other numbers on a page of 80 mm.
+      {"a.svg", square("width=\"80mm\" height=\"80mm\"", 40 * 96 / 25.4), 0.04, 0.04},
+      {"a.svg", square("width=\"80mm\" height=\"100%\"", 333), 0.04, 0.04},
+      {"a.svg", square("width=\"8CM\" height=\"8CM\"", 100), 0.04, 0.04},
+      {"a.svg", square("width=\"80px\" height=\"80px\"", 40), 40 * 0.0254 / 96, 40 * 0.0254},
+      {"a.svg", square("", 40), 40 * 0.0254 / 96, 40 * 0.0254},
+      {"a.dxf", mils(9), 40 * 2.54e-5, 40 * 2.54e-5},
+      {"a.dxf", mils(0), 0.04, 40 * 0.0254}};
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.text);
+    const Reading plain = read(one.name, one.text),
+                  given = read(one.name, one.text, {.unit = inch});
+    ASSERT_EQ(plain.model.tiles.size(), 1U) << plain.refusal;
+    // Measured: 2.3e-13.
+    EXPECT_NEAR(model::tileSize(plain.model) / one.side, 1, 1e-12);
+    EXPECT_NEAR(model::tileSize(given.model) / one.inches, 1, 1e-12);
+    EXPECT_EQ(given.model.unit, inch);
+    const bool hasUnit = one.side == one.inches;
+    EXPECT_EQ(plain.note.find("`unit` sets another") == std::string::npos, hasUnit) << plain.note;
+    EXPECT_THAT(given.note, testing::Not(HasSubstr("`unit` sets another")));
+  }
+}
+
 /// A hexagon of six triangles, joined at its corners or at its middle.
 TEST(CutPatterns, CutsThatAimAtOnePointEndThere) {
   const auto corner = [](int k) {
