@@ -817,10 +817,12 @@ void foldByLetters(const ReadSettings& settings, model::FoldSheet& drawing,
     ++count;
   }
   if (count > 0) {
-    warnings.push_back(
-        fmt::format("{}: warning: {} a letter (M or V) but no angle and folds by {:g} degrees. "
-                    "`fold = FRACTION` sets another fraction of 180",
-                    file.string(), counted(count, "edge has", "edges have"), angle));
+    warnings.push_back(fmt::format(
+        "{}: warning: {} by {:g} degrees. `fold = FRACTION` sets another fraction of 180",
+        file.string(),
+        counted(count, "edge has a letter (M or V) but no angle and folds",
+                "edges have a letter (M or V) but no angle and fold"),
+        angle));
   } else if (settings.fold) {
     throw inputErrorAt({file},
                        "`fold` is given, but no edge has a letter (M or V) without an "
