@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/model/model.h"
+#include "sim/run/assembled_state.h"
 
 namespace kirireel::run {
 
@@ -24,10 +25,11 @@ inline bool isNearest(const model::Model& model, double error, double smallestEr
   return error <= arrivalLimit(model, smallestError);
 }
 
-/// Whether a run with this target error, metres, has arrived: no nearer state is known, and the
-/// target is within reach.
+/// Whether a run with this target error, metres, has arrived: no state is known that is nearer by
+/// more than the rounding of the model's coordinates, and the target is within reach.
 inline bool hasArrived(const model::Model& model, double error, double smallestError) {
-  return isNearest(model, error, smallestError) && error <= kFarError * model::tileSize(model);
+  return error <= arrivalLimit(model, smallestError) + roundedReach(model) &&
+         error <= kFarError * model::tileSize(model);
 }
 
 }  // namespace kirireel::run
