@@ -173,6 +173,7 @@ constexpr double kSpeedTolerance = 1e-10;        // speed of joint rows
 constexpr double kContactSpeedTolerance = 1e-7;  // speed of contact rows
 constexpr double kChangeTolerance = 1e-6;        // change of all rows in a round
 constexpr double kFineTolerance = 1e-13;         // expected next change, for fine velocities
+constexpr double kConstant = 0.9;                // smallest share of a speed that hardly decreases
 constexpr double kWorkTolerance = 1e-6;          // error of impulses, relative to the loads' work
 constexpr double kRecovery = 2e-6;               // largest correction of an overlap in a step
 constexpr double kOverlapAccepted = 4e-5;        // largest overlap at the end of a step
@@ -524,6 +525,7 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
   if (!system_.factor(program_.contacts)) return false;
   const double slow = kSlow * settings_.lengthScale;
   double last = std::numeric_limits<double>::infinity();
+  double lastJointSpeed = last;
   for (int round = 0; round < kMultiplierRounds; ++round) {
     const RoundReport report = solveRound(system_, program_, slow);
     if (!report.found) return false;
@@ -533,8 +535,11 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     // Changes decrease by a constant ratio.
     const double next = report.change * std::min(1.0, report.change / last);
     last = report.change;
-    if (settings_.isFine && next > kFineTolerance * speed) continue;
-    if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
+    // Contacts may contradict the joints by rounding. Further rounds then only drift.
+    const bool isConstant = report.jointSpeed > kConstant * lastJointSpeed;
+    lastJointSpeed = report.jointSpeed;
+    if (settings_.isFine && next > kFineTolerance * speed && !isConstant) continue;
+    if (refined && (isConstant || report.jointSpeed <= kSpeedTolerance * speed)) break;
   }
   return true;  // the gap after closing shows whether the step is good
 }
@@ -1058,10 +1063,6 @@ constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kAssemblyRounds = 100;
 
-double largestOf(const Eigen::VectorXd& gaps) {
-  return gaps.size() > 0 ? gaps.lpNorm<Eigen::Infinity>() : 0;
-}
-
 }  // namespace
 
 /// Moves to the step's end and closes the joints there. Pushing contacts keep their gaps. If this
@@ -1178,7 +1179,7 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
   double moved = 0;
   Vector gaps = system_.jointGaps(end_.poses);
-  double gap = largestOf(gaps);
+  double gap = system_.largestOfPivots(gaps);
   bool refactored = false, isLast = false;
   end_.closing = Vector::Zero(program_.x.size());
   Vector lastMove = end_.closing;
@@ -1196,7 +1197,7 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
     moved += norm(move);
     const double before = gap;
     gaps = system_.jointGaps(end_.poses);
-    gap = largestOf(gaps);
+    gap = system_.largestOfPivots(gaps);
     if (!std::isfinite(gap)) return false;
     if (gap <= std::max(0.2 * before, kGapTolerance * scale) || overlapping) continue;
     if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
@@ -1310,7 +1311,7 @@ bool Stepper<D>::allowsVelocities(const Motion& motion) {
   }
   system_.placeJoints(motion.poses);
   const double speed = std::max(system_.largestSpeed(x), kSlow * settings_.lengthScale);
-  return largestOf(system_.jointVelocity(x)) <= kSpeedTolerance * speed;
+  return system_.largestOfPivots(system_.jointVelocity(x)) <= kSpeedTolerance * speed;
 }
 
 template <int D>
@@ -1337,7 +1338,7 @@ double Stepper<D>::assemble(Poses& poses) {
 /// The largest of the given joint gaps and of the gaps of these contacts, metres.
 template <int D>
 double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
-  double largest = largestOf(gaps);
+  double largest = system_.largestOfPivots(gaps);
   for (const Row& row : held) {
     largest = std::max(largest, std::abs(brick::contactGap(row.contact, end_.poses)));
   }

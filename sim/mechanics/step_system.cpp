@@ -719,9 +719,9 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
 template <int D>
 double StepSystem<D>::largestSpeed(const Vector& x) const {
   double largest = 0;
-  for (int i = 0; i < D * brickCount(); ++i) {
-    const double scale = Space::isTurn(i % D) ? lengthScale_ : 1.0;
-    largest = std::max(largest, scale * std::abs(x[i]));
+  for (int i = 0; i < brickCount(); ++i) {
+    const Velocity velocity = Space::unpack(x.template segment<D>(D * i));
+    largest = std::max({largest, velocity.linear.norm(), lengthScale_ * velocity.angular.norm()});
   }
   return largest;
 }
@@ -760,6 +760,12 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
     result.segment<kRows>(kRows * p) = Space::gap(brick::pivotRows(pivot, between).gaps);
   }
   return result;
+}
+
+template <int D>
+double StepSystem<D>::largestOfPivots(const Vector& rows) {
+  if (rows.size() == 0) return 0;
+  return rows.reshaped(Space::kJointRows, Eigen::AutoSize).colwise().norm().maxCoeff();
 }
 
 template class StepSystem<3>;
@@ -898,7 +904,7 @@ RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double sl
   if (program.exactJoints && system.hasJoints()) {
     const Eigen::VectorXd speeds = system.jointVelocity(program.x);
     program.multipliers -= system.kappa() * speeds;
-    report.jointSpeed = speeds.template lpNorm<Eigen::Infinity>();
+    report.jointSpeed = StepSystem<D>::largestOfPivots(speeds);
   }
   double& change = report.contactChange;
   for (ContactRow<D>& row : program.contacts) {

@@ -487,8 +487,7 @@ class StepSystem {
   Vector timesA(const Vector& x) const;
   /// f.
   const Vector& force() const { return f_; }
-  /// The largest component of a velocity of all bricks, m/s. Rotations count times the length
-  /// scale.
+  /// The largest speed or angular speed of a brick, m/s. Rotations count times the length scale.
   double largestSpeed(const Vector& x) const;
   /// J u.
   Vector jointVelocity(const Vector& u) const;
@@ -497,6 +496,8 @@ class StepSystem {
   /// The gaps of all joint rows at these poses, metres. For links, the first row has the difference
   /// of length.
   Vector jointGaps(const Poses& poses) const;
+  /// The largest norm of the values of one pivot in joint rows. It is the same in all axes.
+  static double largestOfPivots(const Vector& rows);
 
   /// The weight of joint rows in H, kg.
   double kappa() const { return kappa_; }
@@ -563,7 +564,7 @@ struct RoundReport {
   bool found = false;        ///< whether the minimum for the current multipliers was found
   double change = 0;         ///< of x in the last Newton step, m/s
   double contactChange = 0;  ///< residual of the contact rows, m/s
-  double jointSpeed = 0;     ///< the largest component of J x, m/s; exact joints only
+  double jointSpeed = 0;     ///< the largest of a pivot in J x, m/s; exact joints only
 };
 
 /// One round: minimises the augmented Lagrangian for the current multipliers by semismooth Newton
