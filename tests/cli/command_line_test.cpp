@@ -337,8 +337,8 @@ TEST(CommandLine, MessagesGiveAllFormsOfAValue) {
             "error: --view: 'up' is not allowed; give auto, top, bottom, front, back, side, left, "
             "iso, oblique or AZIMUTH,ELEVATION[,ROLL] in degrees");
   EXPECT_EQ(messageOf({"record", "fan", "--thickness", "3mm"}),
-            "error: --thickness: '3mm' is not allowed; give a number from 1e-15 to 1e+09, without "
-            "a unit");
+            "error: --thickness: '3mm' is not allowed; give a number from 1e-15 to 1e+09 without a "
+            "unit. `unit` sets the unit of lengths");
 }
 
 TEST(CommandLine, UnknownOptionsNameACommandThatHasThem) {

@@ -114,8 +114,11 @@ TEST(Patterns, TellOfHolesInTiles) {
   folder.write("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(300, 600) + "</g>");
   std::vector<std::string> warnings;
   EXPECT_EQ(formats::readModel(folder.path() / "a.svg", std::nullopt, warnings).tiles.size(), 1U);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_TRUE(warnings[0].ends_with("; left out: 1 x hole in a tile")) << warnings[0];
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_TRUE(warnings[0].ends_with(
+      ": note: the drawing has no unit of length, so pixels are 1/96 inch. `unit` sets another"))
+      << warnings[0];
+  EXPECT_TRUE(warnings[1].ends_with("; left out: 1 x hole in a tile")) << warnings[1];
   // Next to each other they are two tiles.
   EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(1300, 1600) + "</g>"),
             "");
