@@ -74,7 +74,7 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   double energy(const Vector& q) const override;
   double stiffnessScale() const override { return stiffness_; }
   double noStiffness() const override { return 1e-12; }
-  double constraintWeight() const override { return 1e8; }
+  double constraintWeight() const override { return 1e2; }
   Vector gradient(const Vector& q, double load) const override;
   Vector pull(const Vector& q) const override;
   Vector residual(const Vector& q, double load) const override;
