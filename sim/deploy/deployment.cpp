@@ -6,11 +6,10 @@
 // 3. The target is checked: whether rigid tiles reach it, the nearest states with closed joints,
 //    and the bricks that would overlap there.
 // 4. A kinematic scene takes a path of the mechanism (planner.cpp), which is played back.
-// 5. Any other scene is run by its dynamics (path_choice.cpp).
+// 5. Any other scene is run by its dynamics (dynamic_path.cpp).
 //
 // The search has one budget of counted work (search_budget.h): all machines select the same path.
-// Checkpoints store the results of the trials of step 5, and the state of the run between its
-// steps.
+// Checkpoints store the result of the trial of step 5, and the state of the run between its steps.
 #include "sim/deploy/deployment.h"
 
 #include <algorithm>
@@ -23,8 +22,9 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/plane_motion.h"
 #include "sim/path/closing.h"
-#include "sim/path/path_choice.h"
+#include "sim/path/dynamic_path.h"
 #include "sim/path/planner.h"
+#include "sim/path/target_warnings.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/geometric_path.h"
@@ -106,8 +106,8 @@ struct Search {
   std::vector<run::BlockingPair> blocking;
   std::vector<std::string> warnings;
   path::PlannedPath planned;
-  path::PathChoice choice;  ///< of the dynamics if there is no planned path
-  double misfit = 0;        ///< misfit of the tiles, metres; 0 if the path is exact
+  path::DynamicPath dynamic;  ///< if there is no planned path
+  double misfit = 0;          ///< misfit of the tiles, metres; 0 if the path is exact
 };
 
 /// Throws if there is no target and the joints leave no motion that the given forces could drive.
@@ -220,13 +220,6 @@ void search(const scene::Scene& scene, run::SearchBudget& budget, const run::Tri
   }
 }
 
-/// Whether paths to the target are tried one by one. The trials then also decide about contacts.
-bool isSearched(const scene::Scene& scene) {
-  return scene.model.target && scene.timeline.empty() && scene.springs.pull() &&
-         scene.actuation.drive == scene::Drive::Target &&
-         scene.solver.kind == scene::SolverKind::Direct;
-}
-
 /// Warns if bricks overlapped in a run without contacts.
 void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result) {
   const double tile = model::tileSize(scene.model);
@@ -260,12 +253,13 @@ double farthestVertex(const std::vector<brick::Brick>& bricks, const Poses& a, c
 }
 
 /// Runs the scene with dynamics along the chosen path.
-run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathChoice& choice,
+run::DeploymentResult runDynamics(const scene::Scene& scene, const path::DynamicPath& choice,
                                   const run::AssembledState& nearest,
                                   const run::RunObservers& watch, run::Checkpoints* checkpoints) {
   scene::Scene chosen = scene;
   chosen.path = choice.path;
-  run::Run run(chosen, nearest, watch, checkpoints);
+  const std::optional<run::GeometricPath>& guide = choice.guide.path;
+  run::Run run(chosen, nearest, watch, checkpoints, guide ? &guide->path : nullptr);
   run::DeploymentResult result = run.finish();
   if (!run.seesAllPairs()) {
     result.warnings.push_back(fmt::format(
@@ -285,7 +279,7 @@ run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathCho
 
 /// Runs the scene twice, the second time with finer steps. The error in time is the largest
 /// distance of a vertex between both runs, over their common samples.
-run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice& choice,
+run::DeploymentResult runTwice(const scene::Scene& scene, const path::DynamicPath& choice,
                                const run::AssembledState& nearest, const run::RunObservers& watch,
                                run::Checkpoints* checkpoints) {
   std::vector<std::pair<double, Poses>> samples;
@@ -329,57 +323,18 @@ void selectPath(scene::Scene& scene, Search& found, run::SearchBudget& budget,
     found.warnings.push_back(std::move(warning));
     return;
   }
-  scene::ContactFilter& contacts = scene.environment.contacts;
-  const bool isContactOpen = contacts == scene::ContactFilter::Auto;
-  if (isContactOpen)
-    contacts = isSearched(scene) ? scene::ContactFilter::All : scene::ContactFilter::None;
   if (scene.path.kind == scene::PathKind::Auto) scene.path.kind = scene::PathKind::Dynamic;
-  found.choice =
-      path::choosePath(scene, {found.nearest, !found.blocking.empty()}, budget, watch, trials);
-  if (isContactOpen && found.choice.isCollisionFree) contacts = scene::ContactFilter::None;
-  if (!found.choice.isFound && isContactOpen && found.choice.through) {
-    contacts = scene::ContactFilter::None;
-    found.choice.path = *found.choice.through;
-    found.choice.reason = found.choice.throughReason;
-  }
-  if (!found.planned.trouble.empty()) found.choice.reason += "; dynamics: " + found.planned.trouble;
+  found.dynamic = path::chooseDynamicPath(scene, found.nearest, budget, watch, trials);
+  scene.environment.contacts = found.dynamic.contacts;
+  if (!found.planned.trouble.empty())
+    found.dynamic.reason += "; dynamics: " + found.planned.trouble;
 }
-
-/// Measures the growth of overlaps beyond the start, for the contacts that the user requests.
-class OverlapWatch {
- public:
-  explicit OverlapWatch(const scene::Scene& scene)
-      : filter_(scene.environment.contacts),
-        bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(brick::makePivots(scene.model.joints, bricks_)),
-        meter_(run::overlapMeter(scene.environment, bricks_, pivots_,
-                                 brick::startPoses(scene.model.tiles, bricks_))) {}
-
-  /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
-  void observe(const Poses& poses) {
-    if (filter_ != scene::ContactFilter::Unjoined) return;
-    grown_ = meter_.grownAt(poses, grown_);
-  }
-
-  /// The largest growth so far, metres. 0 if the user switched contacts off.
-  double grown(const run::Accuracy& accuracy) const {
-    if (filter_ == scene::ContactFilter::None) return 0;
-    return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
-  }
-
- private:
-  scene::ContactFilter filter_;
-  std::vector<brick::Brick> bricks_;
-  std::vector<brick::Pivot> pivots_;
-  trajectory::PenetrationMeter meter_;
-  double grown_ = 0;
-};
 
 /// Whether the budget was spent before the search found a path without faults.
 bool isCutShort(const Search& found, const run::DeploymentResult& result, bool isOverlapping) {
   const bool isBest = found.planned.path && result.accuracy.jointOpeningMax == 0 &&
                       result.atTarget.value_or(true) && !isOverlapping;
-  return (found.planned.isCutShort || found.choice.isCutShort) && !isBest;
+  return (found.planned.isCutShort || found.dynamic.guide.isCutShort) && !isBest;
 }
 
 /// Records why a run does not count as successful, also in its reason. `grown`: the overlap that
@@ -451,8 +406,8 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
 /// An interrupted search has no path: only the start is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
   found.planned.path.reset();
-  found.choice = {scene.path, "the search for a path was interrupted"};
-  found.choice.path.kind = scene::PathKind::Straight;
+  found.dynamic = {scene.path, "the search for a path was interrupted"};
+  found.dynamic.path.kind = scene::PathKind::Straight;
   scene::ContactFilter& contacts = scene.environment.contacts;
   if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::None;
 }
@@ -499,7 +454,7 @@ run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInt
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that ended early ends the run at its start, possibly on another path.
   if (!shouldContinue) checkpoints = nullptr;
-  OverlapWatch overlaps(given);
+  path::OverlapWatch overlaps(given);
   const run::SampleObserver takeSample = [&](const trajectory::Sample& sample) {
     overlaps.observe(sample.poses);
     return observer(sample) && shouldContinue;
@@ -508,11 +463,12 @@ run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInt
       found.planned.path
           ? run::playBack(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
           : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
-                scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
+                scene, found.dynamic, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
   if (isContactOpen && !found.planned.path) addOverlapWarning(scene, result);
   result.blocking = std::move(found.blocking);
-  result.candidates = std::move(found.planned.candidates);
+  path::PlannedPath& planned = found.planned.path ? found.planned : found.dynamic.guide;
+  result.candidates = std::move(planned.candidates);
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   result.warnings = std::move(found.warnings);
   addShortfall(scene, found, overlaps.grown(result.accuracy), result);
@@ -525,13 +481,8 @@ run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInt
 // A planar sheet in another plane is run in the axes of its frame. All directions of the result are
 // rotated back here, and nowhere else.
 
-Poses inWorld(const model::SheetFrame& frame, Poses poses) {
-  for (Pose& pose : poses) pose = frame.toWorld(pose);
-  return poses;
-}
-
 trajectory::Sample inWorld(const model::SheetFrame& frame, trajectory::Sample sample) {
-  sample.poses = inWorld(frame, std::move(sample.poses));
+  sample.poses = model::toWorld(frame, std::move(sample.poses));
   if (!sample.mechanics) return sample;
   const Matrix3 turn = frame.axes();
   for (Vector3& force : sample.mechanics->jointForces) force = turn * force;
@@ -546,11 +497,11 @@ trajectory::Sample inWorld(const model::SheetFrame& frame, trajectory::Sample sa
 void turnToWorld(const model::SheetFrame& frame, const scene::Scene& scene,
                  run::DeploymentResult& result) {
   for (trajectory::FigureState& state : result.trajectory.figureStates) {
-    state.poses = inWorld(frame, std::move(state.poses));
+    state.poses = model::toWorld(frame, std::move(state.poses));
   }
   if (result.loadCurve) {
     for (mechanics::Equilibrium& state : result.loadCurve->states) {
-      state.poses = inWorld(frame, std::move(state.poses));
+      state.poses = model::toWorld(frame, std::move(state.poses));
     }
   }
   scene::Scene modelled = scene;

@@ -8,7 +8,7 @@
 
 namespace kirireel::deploy {
 
-/// Runs the scene along its path (see choosePath). Samples it at the start, every `sampleInterval`
+/// Runs the scene along its path (see planPath and chooseDynamicPath). Samples it at the start, every `sampleInterval`
 /// simulated seconds, and at the end. The interval does not affect the steps: a sample between two
 /// steps is interpolated from their poses. Throws InputError for invalid scenes. A run that
 /// diverges does not throw: it ends with its last step that lost no brick. `searching` receives

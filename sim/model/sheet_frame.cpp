@@ -191,4 +191,14 @@ std::vector<Tile> toFrame(const SheetFrame& frame, std::vector<Tile> tiles) {
   return tiles;
 }
 
+Poses toFrame(const SheetFrame& frame, Poses poses) {
+  for (Pose& pose : poses) pose = frame.toFrame(pose);
+  return poses;
+}
+
+Poses toWorld(const SheetFrame& frame, Poses poses) {
+  for (Pose& pose : poses) pose = frame.toWorld(pose);
+  return poses;
+}
+
 }  // namespace kirireel::model

@@ -99,5 +99,9 @@ bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double 
 
 /// The tiles in the frame's coordinates.
 std::vector<Tile> toFrame(const SheetFrame& frame, std::vector<Tile> tiles);
+/// The poses in the frame's axes; see SheetFrame::toFrame().
+Poses toFrame(const SheetFrame& frame, Poses poses);
+/// The inverse: poses in world axes.
+Poses toWorld(const SheetFrame& frame, Poses poses);
 
 }  // namespace kirireel::model

@@ -135,18 +135,12 @@ void measureRoughness(const std::vector<brick::Brick>& bricks, const run::Mechan
   evaluation.roughFrames = 0;
   evaluation.stepChange = evaluation.largestTurn = 0;
   if (!(path.length() > 0)) return;
-  std::size_t next = 1;
   Poses before = path.states.front();
   std::vector<Vector3> vertices = verticesOf(bricks, before), steps;
   Eigen::VectorXd velocities;  // relative to the time between frames
   std::vector<double> meanSteps;
   for (int frame = 1; frame <= kFrames; ++frame) {
-    const double length = frame * path.length() / kFrames;
-    while (next + 1 < path.states.size() && path.lengths[next] < length) ++next;
-    const double part = path.lengths[next] - path.lengths[next - 1];
-    const double share =
-        part > 0 ? std::clamp((length - path.lengths[next - 1]) / part, 0.0, 1.0) : 1;
-    Poses now = interpolate(path.states[next - 1], path.states[next], share);
+    Poses now = path.at(static_cast<double>(frame) / kFrames);
     std::vector<Vector3> there = verticesOf(bricks, now);
     Eigen::VectorXd fresh = run::displacement(bricks, before, now);
     if (velocities.size() > 0) {
@@ -433,7 +427,8 @@ class Planner {
   }
 
   bool isWorthTrying(const Candidate& candidate) {
-    if (candidate.hasContacts && !mayTouch(scene_)) return false;
+    const bool isRun = candidate.guide == Guide::GuidedRun;
+    if (candidate.hasContacts && !mayTouch(scene_) && !isRun) return false;
     // Bricks that overlap at the goal block any path with contacts. One such path then shows where
     // the sheet stops.
     if (isBlocked()) {
@@ -441,13 +436,14 @@ class Planner {
       return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
                                    : !firstArrives();
     }
-    // If exact joints do not arrive without contacts, they do not arrive with contacts either. From
-    // the target back they are then the last resort, as they cost most there.
+    // If exact joints do not arrive without contacts, they do not arrive with contacts either,
+    // except along another motion. From the target back they are then the last resort, as they cost
+    // most there.
     const bool isBackAtLast = candidate.guide == Guide::FromTarget && candidate.isLastResort;
-    if (candidate.hasExactJoints() && firstArrives() == isBackAtLast) return false;
+    if (candidate.hasExactJoints() && firstArrives() == isBackAtLast && !isRun) return false;
     if (candidate.isLastResort && isCollisionFree(scene_, *planned_.path)) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
-    if (candidate.guide == Guide::GuidedRun) return scene_.springs.pull();
+    if (isRun) return scene_.springs.pull();
     return !candidate.isCostly() || !isGood(*planned_.path, kOpeningStep);
   }
 
@@ -470,6 +466,7 @@ class Planner {
   }
 
   void tryCandidate(Candidate candidate) {
+    candidate.hasContacts = candidate.hasContacts && mayTouch(scene_);
     std::vector<Poses> guide = candidate.guide == Guide::PreviousPath ? previous_
                                : candidate.guide == Guide::GuidedRun  ? guidedRun()
                                                                       : folds_.from(start_);
@@ -492,8 +489,8 @@ class Planner {
     }
   }
 
-  /// The states of a run with dynamics and contacts in which springs guide the tiles to the target.
-  /// Where a kinematic path jams, their inertia can take bricks past each other.
+  /// The states of a run with dynamics in which springs guide the tiles to the target. Where a
+  /// kinematic path jams or leads nowhere, their inertia can take bricks past each other.
   std::vector<Poses> guidedRun() {
     scene::Scene trial = scene_;
     trial.environment.contacts = contactsIfOn(scene_.environment.contacts);
@@ -577,19 +574,13 @@ class Planner {
     path.isRounded = isRounded;
   }
 
-  /// The state at half of a path's length.
-  static const Poses& halfway(const run::MechanismPath& path) {
-    const auto found = std::ranges::lower_bound(path.lengths, 0.5 * path.length());
-    return path.states[static_cast<std::size_t>(found - path.lengths.begin())];
-  }
-
   run::PathEnd endOf(const run::MechanismPath& path) const {
     if (path.isCutShort) return run::PathEnd::OutOfBudget;
     if (path.isStuck) return run::PathEnd::Stuck;
     const double limit =
         run::arrivalLimit(scene_.model, nearest_.error) + run::roundedReach(scene_.model);
     if (path.error > limit) return run::PathEnd::Short;
-    return folds_.isOnWrongSide(halfway(path)) ? run::PathEnd::WrongFolds : run::PathEnd::Arrived;
+    return folds_.isOnWrongSide(path.at(0.5)) ? run::PathEnd::WrongFolds : run::PathEnd::Arrived;
   }
 
   /// Records a path. Selects it if it is the best so far and begins at the start.

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/path/path_choice.h"
+#include "sim/run/assembled_state.h"
 #include "sim/run/geometric_path.h"
 #include "sim/run/path_evaluation.h"
+#include "sim/run/search.h"
 #include "sim/run/search_budget.h"
 
 namespace kirireel::path {

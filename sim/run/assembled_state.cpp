@@ -263,7 +263,7 @@ AssembledState assembleAtTarget(const scene::Scene& scene,
   const scene::Scene lying = scene::inAxes(*frame, bare);
   AssembledState state = Assembly(lying, shouldContinue).find();
   for (Poses* poses : {&state.poses, &state.restPoses}) {
-    for (Pose& pose : *poses) pose = frame->toWorld(pose);
+    *poses = model::toWorld(*frame, std::move(*poses));
   }
   return state;
 }

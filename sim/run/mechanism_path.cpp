@@ -11,6 +11,18 @@ constexpr int kSettlingMoves = 4;  // maximum in settle()
 
 }  // namespace
 
+Poses MechanismPath::at(double share) const {
+  if (states.size() == 1) return states.front();
+  const double place = share * length();
+  const auto last = static_cast<std::ptrdiff_t>(states.size()) - 1;
+  const auto end = lengths.begin() + last;
+  const auto next =
+      static_cast<std::size_t>(std::lower_bound(lengths.begin() + 1, end, place) - lengths.begin());
+  const double part = lengths[next] - lengths[next - 1];
+  return interpolate(states[next - 1], states[next],
+                     part > 0 ? std::clamp((place - lengths[next - 1]) / part, 0.0, 1.0) : 1);
+}
+
 double gyrationRadius(const brick::Brick& brick) {
   double sum = 0;
   for (const Vector3& point : brick.bottom) sum += point.squaredNorm();

@@ -27,6 +27,8 @@ struct MechanismPath {
 
   /// Length of the whole path, metres.
   double length() const { return lengths.back(); }
+  /// The state at a share ([0, 1]) of the length, interpolated linearly between two states.
+  Poses at(double share) const;
 };
 
 /// The root mean square distance of a brick's bottom vertices from its centre of mass, metres.

@@ -58,11 +58,11 @@ constexpr double kEnergyGain = 0.01;
 }  // namespace
 
 Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
-         Checkpoints* checkpoints)
+         Checkpoints* checkpoints, const MechanismPath* guide)
     : bricks_(scene),
       clock_(RunMotion::checkIntervalOf(scene)),
       target_(bricks_, nearest),
-      drive_(bricks_, clock_),
+      drive_(bricks_, clock_, guide),
       timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom, scene.model.unit),
       motion_(bricks_, clock_),
       forces_(bricks_, clock_, timeline_, drive_, motion_),

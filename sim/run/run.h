@@ -80,9 +80,10 @@ class SpentTime {
 class Run : private TimelineStage {
  public:
   /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Keeps
-  /// references to the scene and the checkpoints; `checkpoints` may be null.
+  /// references to the scene, the checkpoints and the guide; the last two may be null. `guide`: see
+  /// RunDrive.
   Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
-      Checkpoints* checkpoints = nullptr);
+      Checkpoints* checkpoints = nullptr, const MechanismPath* guide = nullptr);
   // Its parts refer to each other.
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;

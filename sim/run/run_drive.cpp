@@ -2,9 +2,10 @@
 //
 //   Open ----> Guide ----> Close ----> Settle
 //
-// Open: expansion from the centre for path.openTime. Guide: every tile follows its own rigid motion
-// (TargetGuide, forces.h). Springs k_f pull its mean and 40 k_f its rotation, for path.guideTime
-// and half a second more, in which the tiles catch up. k_f is twice that of the scene's frequency.
+// Open: expansion from the centre for path.openTime. Guide: every tile follows the given path, or
+// its own rigid motion without one (TargetGuide, forces.h). Springs k_f pull its mean and 40 k_f
+// its rotation, for path.guideTime and half a second more, in which the tiles catch up. k_f is
+// twice that of the scene's frequency.
 // Close: compliant joints stiffen geometrically, k(t) = k_0 (1e7 k_p / k_0)^p. k_p is the place
 // stiffness (forces.h), and p grows from 0 to 1 in half a second. One small step then closes the
 // remaining gaps. Settle: the scene's own drive. Its springs to the target are stiffened up to 16
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/run/arrival.h"
 #include "sim/scene/scene_parts.h"
@@ -113,19 +115,17 @@ constexpr double kClosingRatio = 1e7;
 
 }  // namespace
 
-// The guide begins at the bricks' poses at `beginTime`, not at the model's start.
 PathFollower::PathFollower(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
-                           const Poses& start, const std::vector<model::Tile>& target,
-                           double beginTime)
+                           MovingTarget target, double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
       placeStiffness_(placeStiffness(guideSprings(scene), bricks)),
-      guide_(brick::bottomTiles(bricks, start), target),
-      springs_(bricks, guide_.at(0), scene.model.pulledTiles, guideSprings(scene)) {}
+      target_(std::move(target)),
+      springs_(bricks, target_(0), scene.model.pulledTiles, guideSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;
-  springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.guideTime)));
+  springs_.setTarget(target_(std::min(1.0, elapsed / path_.guideTime)));
   const double late = elapsed - path_.guideTime - kCatchUp;
   if (!path_.jointsAreCompliant()) return late <= 0 ? Phase::Guide : Phase::Settle;
   const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
@@ -138,9 +138,10 @@ Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
 // ------------------------------------------------------------------------------------------------
 // The phases.
 
-RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
+RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock, const MechanismPath* guide)
     : bricks_(bricks),
       clock_(clock),
+      guide_(guide),
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
       opening_(bricks.bricks, model::piecesOf(bricks.scene.model), bricks.scene.springs) {}
 
@@ -166,7 +167,7 @@ void RunDrive::startTowards(const CurrentTarget& target, const Poses& from) {
   if (scene.path.kind != scene::PathKind::Guided) return;
   phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
   openedAt_ = departedAt_ + scene.path.openTime;
-  if (phase_ == Phase::Guide) guideTo(*target.tiles());
+  if (phase_ == Phase::Guide) guideTo(target);
 }
 
 void RunDrive::pullTo(const std::vector<model::Tile>& target) {
@@ -174,9 +175,18 @@ void RunDrive::pullTo(const std::vector<model::Tile>& target) {
   springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, scene.springs);
 }
 
-// Guides from the departure poses and time.
-void RunDrive::guideTo(const std::vector<model::Tile>& target) {
-  follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
+// Guides from the departure poses and time, or along the given path.
+void RunDrive::guideTo(const CurrentTarget& target) {
+  MovingTarget moving;
+  if (guide_ && target.isOwn()) {
+    moving = [this](double progress) {
+      return brick::bottomTiles(bricks_.bricks, guide_->at(progress));
+    };
+  } else {
+    const TargetGuide own(brick::bottomTiles(bricks_.bricks, departure_), *target.tiles());
+    moving = [own](double progress) { return own.at(progress); };
+  }
+  follower_.emplace(bricks_.scene, bricks_.bricks, std::move(moving), departedAt_);
 }
 
 // The guide starts at the poses that opening has reached.
@@ -184,7 +194,7 @@ bool RunDrive::beginStep(const CurrentTarget& target, const Poses& poses, Dynami
   if (phase_ == Phase::Open && clock_.isDue(openedAt_)) {
     departure_ = poses;
     departedAt_ = clock_.time();
-    guideTo(*target.tiles());
+    guideTo(target);
   }
   if (!follower_) return false;
   phase_ = follower_->prepareStep(clock_.time() + clock_.length(), dynamics);
@@ -235,7 +245,7 @@ void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
   springs_.reset();
   follower_.reset();
   if (target.hasSprings()) pullTo(*target.tiles());
-  if (phase_ == Phase::Guide || phase_ == Phase::Close) guideTo(*target.tiles());
+  if (phase_ == Phase::Guide || phase_ == Phase::Close) guideTo(target);
 }
 
 }  // namespace kirireel::run

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/forces.h"
+#include "sim/run/mechanism_path.h"
 #include "sim/run/run_motion.h"
 #include "sim/scene/scene.h"
 
@@ -57,6 +59,8 @@ class CurrentTarget {
   }
   /// Whether a force pulls to the target: springs with stiffness, or the guide's springs.
   bool isPulledTo() const;
+  /// Whether it is the model's own target.
+  bool isOwn() const;
   /// Whether there is a pull to the target and the bricks have arrived; see arrival.h.
   bool hasArrived(const Poses& poses) const;
 
@@ -70,7 +74,6 @@ class CurrentTarget {
     double rest = 0;     ///< at the equilibrium of the scene's springs
   };
 
-  bool isOwn() const;
   const LeastErrors& least() const { return isOwn() ? own_ : other_; }
 
   const SceneBricks& bricks_;
@@ -96,22 +99,22 @@ std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
 /// next. All other runs are always in the last phase.
 enum class Phase {
   Open,    ///< bricks are pushed apart to make room
-  Guide,   ///< springs guide every tile along its own motion, joints exact or compliant
+  Guide,   ///< springs guide every tile along its path, joints exact or compliant
   Close,   ///< compliant joints stiffen until they are closed and held exactly
   Settle,  ///< the scene's own drive acts until the bricks are at rest
 };
 
-/// Guides the tiles of a run to their target. Springs pull every tile to a target that moves along
-/// the tile's own rigid motion. Rotations have more weight than positions: a mechanism that rotates
-/// has to leave the straight lines. Joints may be compliant meanwhile. At the end they stiffen
-/// until almost closed.
+/// The moving target of a guide: one tile per brick at a progress from 0 to 1.
+using MovingTarget = std::function<std::vector<model::Tile>(double progress)>;
+
+/// Guides the tiles of a run to their target. Springs pull every tile to a target that moves.
+/// Rotations have more weight than positions: a mechanism that rotates has to leave the straight
+/// lines. Joints may be compliant meanwhile. At the end they stiffen until almost closed.
 class PathFollower {
  public:
-  /// Keeps a reference to `bricks`. `start`: the first state, with closed joints unless they are
-  /// compliant. `beginTime`: seconds. `target`: the last state, one tile per brick. The scene has
-  /// PathKind::Guided.
+  /// Keeps a reference to `bricks`. `beginTime`: seconds. The scene has PathKind::Guided.
   PathFollower(const scene::Scene& scene, const std::vector<brick::Brick>& bricks,
-               const Poses& start, const std::vector<model::Tile>& target, double beginTime);
+               MovingTarget target, double beginTime);
 
   /// Sets the moving target and the joint stiffness for the step that ends at `time` (seconds of
   /// the run). Returns the phase of this step. Settle: the path has ended, and the joints have
@@ -125,7 +128,7 @@ class PathFollower {
   scene::PathSettings path_;
   double beginTime_;
   double placeStiffness_;  // of the guide's springs, N/m
-  TargetGuide guide_;
+  MovingTarget target_;
   TargetSprings springs_;
 };
 
@@ -133,9 +136,10 @@ class PathFollower {
 /// to a target are stiffened when they stall.
 class RunDrive {
  public:
-  /// Keeps references to both. Throws InputError if the model lacks the data that the scene's drive
-  /// needs.
-  RunDrive(const SceneBricks& bricks, const StepClock& clock);
+  /// Keeps references to all. `guide`: the path along which tiles are guided to the model's own
+  /// target; null for each tile's own rigid motion. Throws InputError if the model lacks the data
+  /// that the scene's drive needs.
+  RunDrive(const SceneBricks& bricks, const StepClock& clock, const MechanismPath* guide = nullptr);
 
   /// The phase of the current step, or of the last one.
   Phase phase() const { return phase_; }
@@ -171,12 +175,13 @@ class RunDrive {
 
  private:
   void pullTo(const std::vector<model::Tile>& target);
-  void guideTo(const std::vector<model::Tile>& target);
+  void guideTo(const CurrentTarget& target);
   const DriveForce* activeDrive() const;
   const TargetSprings* activeSprings() const;
 
   const SceneBricks& bricks_;
   const StepClock& clock_;
+  const MechanismPath* guide_;
   std::unique_ptr<DriveForce> drive_;  // null for springs to the target, or no drive
   Expansion opening_;
   Phase phase_ = Phase::Settle;

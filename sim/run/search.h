@@ -10,21 +10,15 @@ namespace kirireel::run {
 
 /// How a trial ended.
 struct TrialEnd {
-  bool arrives = false;   ///< reaches the equilibrium of the scene's springs near the target
-  bool jams = false;      ///< exact joints could not be held along the path
-  bool cutShort = false;  ///< the budget ended it: the result is unknown
-  /// No overlap grows beyond the start or prevents compliant joints from closing.
-  bool isCollisionFree = false;
-  double error = 0;    ///< target error at its end, metres
-  double opening = 0;  ///< largest opening of compliant joints, metres
-  double work = 0;     ///< cost of the trial, see SearchBudget
+  bool arrives = false;          ///< reaches the equilibrium of the scene's springs near the target
+  bool jams = false;             ///< exact joints could not be held along the path
+  bool isCollisionFree = false;  ///< no overlap grows beyond the start
+  double work = 0;               ///< cost of the trial, see SearchBudget
 
   static constexpr auto fields() {
     return describeFields<TrialEnd>(
         field("arrives", &TrialEnd::arrives), field("jams", &TrialEnd::jams),
-        field("cut_short", &TrialEnd::cutShort), field("keeps_clear", &TrialEnd::isCollisionFree),
-        field("error", &TrialEnd::error, "m"), field("opening", &TrialEnd::opening, "m"),
-        field("work", &TrialEnd::work));
+        field("keeps_clear", &TrialEnd::isCollisionFree), field("work", &TrialEnd::work));
   }
 };
 

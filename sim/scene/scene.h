@@ -154,8 +154,8 @@ enum class PathKind {
   /// Continuation if the scene needs no dynamics and the path arrives, else Dynamic.
   Auto,
   Continuation,  ///< the mechanism is followed kinematically at an even pace; see continueAlong()
-  /// Springs pull the tiles: Straight if that arrives, else Guided. Joints are as stiff as
-  /// possible.
+  /// Springs pull the tiles: Straight if that arrives without overlaps, else Guided along the path
+  /// of Continuation.
   Dynamic,
   Straight,  ///< the springs pull towards the target from the start (as in the paper)
   Guided,    ///< each tile is guided along its own rigid motion, primarily by rotation, then by

@@ -393,8 +393,9 @@ SettingGroup pathSettings() {
                              {"dynamic", PathKind::Dynamic},
                              {"straight", PathKind::Straight},
                              {"guided", PathKind::Guided}},
-           "continuation: kinematic; dynamic: springs move masses, straight or guided (each tile "
-           "along its own motion); auto: continuation if nothing needs dynamics"),
+           "continuation: kinematic; dynamic: springs move masses, straight or along a kinematic "
+           "path; guided: springs move each tile along its own motion; auto: continuation if "
+           "nothing needs dynamics"),
        number<&Scene::path, &PathSettings::playTime>("walk_time", {1e-6, 1e6}, "SECONDS",
                                                      "playback time of a kinematic path"),
        whole<&Scene::path, &PathSettings::loadSteps>(

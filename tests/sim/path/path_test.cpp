@@ -11,7 +11,7 @@
 #include "sim/generate/lattice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
-#include "sim/path/path_choice.h"
+#include "sim/path/dynamic_path.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/forces.h"
 
@@ -19,6 +19,7 @@ namespace kirireel {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
@@ -121,19 +122,11 @@ TEST(Path, AStraightPullIsKeptIfItArrives) {
   EXPECT_EQ(result.accuracy.jointOpeningMax, 0);
 }
 
-/// A target whose nearest state is so many metres away.
-path::TargetFindings roomAt(double error, bool isBlocked) {
-  path::TargetFindings atTarget;
-  atTarget.nearest.error = atTarget.nearest.restError = error;
-  atTarget.isBlocked = isBlocked;
-  return atTarget;
-}
-
-/// A path, with enough budget for any search here.
-path::PathChoice choose(const scene::Scene& scene, const path::TargetFindings& atTarget,
-                        const run::TrialObserver& observer, std::vector<run::TrialEnd>& trials) {
-  run::SearchBudget budget(1e15);
-  return path::choosePath(scene, atTarget, budget, observer, trials);
+/// The path of a scene whose target closes exactly.
+path::DynamicPath choose(const scene::Scene& scene, const run::TrialObserver& observer) {
+  run::SearchBudget budget;
+  std::vector<run::TrialEnd> trials;
+  return path::chooseDynamicPath(scene, run::assembleAtTarget(scene), budget, observer, trials);
 }
 
 /// Records the tried paths, each once.
@@ -157,8 +150,10 @@ TEST(Path, ALockedModelIsGuidedWithExactJoints) {
       deploy::deploy(closedToClosed(), 1.0 / 60, nullptr, noteOnce(tried));
   EXPECT_EQ(guided.outcome, run::Outcome::Settled) << guided.reason;
   EXPECT_EQ(guided.path.kind, scene::PathKind::Guided);
-  EXPECT_THAT(tried, SizeIs(2));
-  EXPECT_THAT(guided.pathReason, HasSubstr("exact joints arrives"));
+  EXPECT_THAT(tried,
+              ElementsAre("straight pull", "motion of each tile, contacts off, exact joints"));
+  EXPECT_EQ(guided.pathReason, "springs guide the tiles along a kinematic path");
+  EXPECT_EQ(guided.candidates.front().candidate, tried[1]);
   EXPECT_LT(guided.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
   EXPECT_LT(guided.accuracy.jointGapMax, 1e-10);    // measured 1e-12
   EXPECT_EQ(guided.accuracy.jointOpeningMax, 0);
@@ -233,14 +228,13 @@ scene::Scene flatToCap() {
   return scene;
 }
 
-TEST(Path, PathsAreTriedWithContactsIfBricksOverlap) {
+TEST(Path, ThePlannersPathGuidesTilesIfBricksOverlap) {
   std::vector<std::string> tried;
   const scene::Scene scene = flatToCap();
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr, noteOnce(tried));
   ASSERT_FALSE(tried.empty());
   EXPECT_EQ(tried.front(), "straight pull");
-  EXPECT_THAT(tried.back(), HasSubstr("with contacts"));
-  EXPECT_THAT(result.pathReason, HasSubstr("with contacts arrives"));
+  EXPECT_THAT(result.pathReason, StartsWith("springs guide the tiles along a kinematic path with"));
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 2e-10
   // In metres; a tile is 0.6. Measured 1.5e-5.
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * model::tileSize(scene.model));
@@ -264,71 +258,6 @@ TEST(Path, OverlapsOfJoinedBricksAreAllowedIfTheseCannotTouch) {
   EXPECT_GT(result.accuracy.penetrationGrownMax, 1e-3 * model::tileSize(scene.model));
 }
 
-/// The end of a path with contacts.
-run::TrialEnd endAmongBricks(double error, bool isCollisionFree) {
-  run::TrialEnd end;
-  end.isCollisionFree = isCollisionFree;
-  end.error = error;
-  return end;
-}
-
-TEST(Path, TakesTheNearestPathIfBricksBlock) {
-  const scene::Scene scene = flatToCap();
-  // As if the third trial had arrived with compliant joints, and the next six had not. The fourth
-  // of these fails by overlaps.
-  std::vector<run::TrialEnd> trials(3);
-  trials.back().arrives = true;
-  for (const auto& [error, isCollisionFree] : {std::pair(0.5, true),
-                                               {0.3, true},
-                                               {0.2, true},
-                                               {0.1, false},
-                                               {0.1999, true},
-                                               {0.4, true}}) {
-    trials.push_back(endAmongBricks(error, isCollisionFree));
-  }
-  const path::PathChoice choice = choose(scene, roomAt(0, true), {}, trials);
-  EXPECT_THAT(trials, SizeIs(9));
-  EXPECT_EQ(choice.path.openTime, 0);
-  EXPECT_FALSE(choice.path.jointsAreCompliant());
-  EXPECT_EQ(choice.reason,
-            "guided for 3.75 s, joint ratio 100000 arrives with overlaps; guided for 3.75 s, exact "
-            "joints comes nearest with contacts");
-}
-
-TEST(Path, ReportsButDoesNotTakeWideOpenJoints) {
-  const scene::Scene scene = flatToCap();
-  const double tile = model::tileSize(scene.model);
-  // As if one trial with contacts had arrived and another had come near, but none with thinner
-  // bricks.
-  std::vector<run::TrialEnd> trials(13);
-  trials.front().arrives = true;
-  trials[4] = endAmongBricks(0, true);
-  trials[4].arrives = true;
-  trials[4].opening = 0.02 * tile;
-  trials[5] = endAmongBricks(0.3, true);
-  trials[5].opening = 0.009 * tile;
-  const path::PathChoice near = choose(scene, roomAt(0, false), {}, trials);
-  EXPECT_EQ(near.path.jointRatio, 1e4);
-  EXPECT_EQ(near.reason,
-            "straight pull arrives with overlaps; no tried path arrives with contacts; guided for "
-            "3.75 s, joint ratio 100000 arrives, but joints open by 0.012 m; guided for 3.75 s, "
-            "joint ratio 10000 comes nearest with contacts");
-  trials[5].arrives = true;
-  const path::PathChoice found = choose(scene, roomAt(0, false), {}, trials);
-  EXPECT_EQ(found.reason, "guided for 3.75 s, joint ratio 10000 with contacts arrives");
-  EXPECT_THAT(trials, SizeIs(13));
-}
-
-TEST(Path, KeepsExactJointsIfBricksBlockAnyway) {
-  // As above, but all trials have overlaps.
-  std::vector<run::TrialEnd> trials(9);
-  trials[2].arrives = true;
-  const path::PathChoice choice = choose(flatToCap(), roomAt(0, true), {}, trials);
-  EXPECT_THAT(trials, SizeIs(9));
-  EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
-  EXPECT_EQ(choice.reason, "guided for 3.75 s, joint ratio 100000 arrives with overlaps");
-}
-
 /// A cube of flush bricks, which exact joints can hardly leave.
 scene::Scene cubeToSphere() {
   scene::Scene scene;
@@ -339,14 +268,8 @@ scene::Scene cubeToSphere() {
 
 TEST(Path, TakesCompliantJointsIfBricksJam) {
   const scene::Scene scene = cubeToSphere();
-  // As if all trials with exact joints had jammed.
-  std::vector<run::TrialEnd> trials(4);
-  trials.front().arrives = true;
-  const path::PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
-  EXPECT_EQ(choice.reason, "guided for 3.75 s, joint ratio 100000 with contacts arrives");
-  scene::Scene chosen = scene;
-  chosen.path = choice.path;
-  const run::DeploymentResult result = deploy::deploy(chosen, 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_TRUE(result.path.jointsAreCompliant());
   const double tile = model::tileSize(scene.model);
   EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   // Measured 2.5e-14, 9.0e-15, 3.6e-4 and 1.3e-5.
@@ -463,17 +386,15 @@ TEST(Path, TriesNothingWithoutAlternatives) {
     ADD_FAILURE() << news.what;
     return true;
   };
-  std::vector<run::TrialEnd> trials;
   scene::Scene bullet = closedToClosed();
   bullet.solver.kind = scene::SolverKind::Bullet;
-  EXPECT_EQ(choose(bullet, roomAt(0, false), unasked, trials).reason,
-            "the baseline tries no other paths");
+  EXPECT_EQ(choose(bullet, unasked).reason, "the baseline tries no other paths");
   scene::Scene aimless = closedToClosed();
   aimless.model.target.reset();
-  EXPECT_EQ(choose(aimless, {}, unasked, trials).reason, "there is no target");
+  EXPECT_EQ(choose(aimless, unasked).reason, "there is no target");
   scene::Scene asked = closedToClosed();
   asked.path.kind = scene::PathKind::Guided;
-  EXPECT_EQ(choose(asked, roomAt(0, false), unasked, trials).reason, "requested");
+  EXPECT_EQ(choose(asked, unasked).reason, "requested");
 }
 
 TEST(Path, ASearchThatIsEndedEndsTheRun) {
@@ -483,44 +404,40 @@ TEST(Path, ASearchThatIsEndedEndsTheRun) {
   EXPECT_THAT(result.trajectory.samples, SizeIs(1));
 }
 
-TEST(Path, ATrialThatTheBudgetEndsHasNotFailed) {
-  scene::Scene scene = closedToClosed();
-  std::vector<run::TrialEnd> trials;
-  run::SearchBudget budget(8e6);
-  const path::PathChoice choice = path::choosePath(scene, roomAt(0, false), budget, {}, trials);
-  ASSERT_FALSE(trials.empty());
-  EXPECT_TRUE(std::ranges::any_of(trials, &run::TrialEnd::cutShort));
-  EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
-  EXPECT_THAT(choice.reason, HasSubstr("stopped"));
-  EXPECT_THAT(choice.reason, HasSubstr(": search budget spent; raise `search_effort`)"));
-  // The work is the same for any load of the machine.
-  std::vector<run::TrialEnd> again;
-  run::SearchBudget same(8e6);
-  path::choosePath(scene, roomAt(0, false), same, {}, again);
-  ASSERT_EQ(again.size(), trials.size());
-  for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_EQ(again[i].work, trials[i].work);
-  EXPECT_EQ(same.spent(), budget.spent());
-  // The last step may exceed the budget of a trial.
-  EXPECT_LT(budget.spent(), 16e6);
-}
-
 TEST(Path, WithoutEffortOnlyTheFirstIsTried) {
-  scene::Scene scene = closedToClosed();
+  scene::Scene scene = cubeToSphere();
   scene.path.searchEffort = 0;
   const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.path.kind, scene::PathKind::Straight);
-  EXPECT_EQ(
-      result.pathReason,
-      "no tried path arrives (others not started: search budget spent; raise `search_effort`)");
   EXPECT_EQ(result.cost.searchLimit, result.cost.searchWork);
+  EXPECT_THAT(result.reason, HasSubstr("Raise `search_effort`"));
 }
 
 TEST(Path, ASearchCanBeStopped) {
-  std::vector<run::TrialEnd> trials;
-  const path::PathChoice choice = choose(
-      closedToClosed(), roomAt(0, false), [](const run::SearchNews&) { return false; }, trials);
+  const path::DynamicPath choice =
+      choose(closedToClosed(), [](const run::SearchNews&) { return false; });
   EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
-  EXPECT_EQ(choice.reason, "no path was tried");
+  EXPECT_EQ(choice.reason, "the search was interrupted");
+}
+
+/// The same motion in any place: a turned scene has the turned path.
+TEST(Path, TheGuideTurnsWithTheScene) {
+  const scene::Scene scene = closedToClosed();
+  const Quaternion turn = rotationFromVector(Vector3(0.3, 1.1, -0.4));
+  scene::Scene turned = scene;
+  for (auto* tiles : {&turned.model.tiles, &*turned.model.target}) {
+    for (model::Tile& tile : *tiles) {
+      for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+    }
+  }
+  const auto own = choose(scene, {}), other = choose(turned, {});
+  const run::MechanismPath& a = own.guide.path->path;
+  const run::MechanismPath& b = other.guide.path->path;
+  for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+    const Poses from = a.at(share), to = b.at(share);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      EXPECT_LT((turn * from[i].position - to[i].position).norm(), 1e-9);
+    }
+  }
 }
 
 }  // namespace
