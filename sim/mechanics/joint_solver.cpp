@@ -536,7 +536,8 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     const double next = report.change * std::min(1.0, report.change / last);
     last = report.change;
     // Contacts may contradict the joints by rounding. Further rounds then only drift.
-    const bool isConstant = report.jointSpeed > kConstant * lastJointSpeed;
+    const bool isConstant = report.jointSpeed > kConstant * lastJointSpeed &&
+                            report.jointSpeed <= kContactSpeedTolerance * speed;
     lastJointSpeed = report.jointSpeed;
     if (settings_.isFine && next > kFineTolerance * speed && !isConstant) continue;
     if (refined && (isConstant || report.jointSpeed <= kSpeedTolerance * speed)) break;
