@@ -267,12 +267,12 @@ bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport&
   return false;
 }
 
-/// Closes the joints at the step's end, and corrects the total momentum. Returns whether the step
-/// may be taken.
-bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
+/// Closes the joints at the step's end, and corrects the total momentum. Returns whether they
+/// closed.
+bool Extrapolation::finish(Trial& trial) {
   if (!(solver_.project(trial.end) <= kClosedGap * settings_.lengthScale)) return false;
   if (!isSupported_) keepMomentum(trial, trial.end);
-  return !mayTake || mayTake(trial.start, trial.end, trial.length);
+  return true;
 }
 
 /// Adds a rigid motion of the whole, which joints allow. Total momentum then equals that of the
@@ -392,8 +392,9 @@ Extrapolation::StepSearch Extrapolation::tryLengths(Motion& motion, double energ
     const bool isSmooth = tryOrders(trial, loads, report);
     const double sticking = isSmooth ? stickingError(trial) : 0;
     if (isSmooth && sticking <= 1) {
-      isRefused = !finish(trial, mayTake);
+      isRefused = !finish(trial);
       if (isRefused) break;
+      if (mayTake && !mayTake(trial.start, trial.end, trial.length)) return {.isRefused = true};
       chooseNext(trial, tries > 0);
       keepForces(trial);
       countLosses(trial, report);

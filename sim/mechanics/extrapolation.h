@@ -60,6 +60,9 @@ class Extrapolation {
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
                              const StepFilter& mayTake, StepReport& report);
 
+  /// Tries the longest step next.
+  void tryLongest() { length_ = settings_.longestStep; }
+
   /// Whether fixed objects push some bricks: total momentum is then not conserved.
   void setSupported(bool supported) { isSupported_ = supported; }
 
@@ -90,7 +93,7 @@ class Extrapolation {
   double roundingOf(const Motion& motion, double energy) const;
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
-  bool finish(Trial& trial, const StepFilter& mayTake);
+  bool finish(Trial& trial);
   double stickingError(const Trial& trial) const;
   void countLosses(const Trial& trial, StepReport& report) const;
   void keepMomentum(const Trial& trial, Motion& motion) const;

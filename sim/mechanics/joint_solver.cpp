@@ -76,6 +76,7 @@ class Stepper : public JointSolver {
   std::vector<double> heldForces() const override;
   void setHeldForces(const std::vector<double>& forces) override;
   double stickSlipSpeed(const Motion& start) const override;
+  double timeOfReversal(const Motion& start, const Motion& end, double slow) const override;
   double project(Motion& motion) override;
   bool collide(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
@@ -98,6 +99,10 @@ class Stepper : public JointSolver {
   void beginStep(const Motion& start, double step);
   void placeHeldRows(const Poses& poses, double step);
   void keepHeldRows(double step);
+  Vector packed(const Motion& motion) const;
+  static bool sticks(const Row& row);
+  static Vector3 inSpace(const Row& row, const typename Row::Tangent& components);
+  Vector3 slipOf(Row row, const Poses& poses, const Vector& velocities) const;
   bool solveWithFriction(const Poses& start);
   bool boundFriction(const std::vector<FrictionPlane>& planes, const Poses& poses);
   bool allowsVelocities(const Motion& motion);
@@ -272,10 +277,7 @@ void Stepper<D>::beginStep(const Motion& start, double step) {
     program_.multipliers = -system_.kappa() / step * system_.jointGaps(start.poses);
   }
   program_.force = system_.force();
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Velocity& velocity = start.velocities[i];
-    program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
-  }
+  program_.x = packed(start);
 }
 
 /// A step from its start: loads, system, contacts of the last step.
@@ -693,23 +695,31 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   return loads;
 }
 
+/// The vector with these components along a row's tangents, as it acts on brick A, or on brick B if
+/// A is fixed. World axes.
+template <int D>
+Vector3 Stepper<D>::inSpace(const Row& row, const typename Row::Tangent& components) {
+  // The velocity of a brick's point along a direction begins with that direction.
+  constexpr int kAxes = D == 6 ? 3 : 2;
+  const auto& tangents = brick::isBrick(row.contact.brickA) ? row.tangentA : row.tangentB;
+  Vector3 vector = Vector3::Zero();
+  vector.head<kAxes>() = tangents.template leftCols<kAxes>().transpose() * components;
+  return vector;
+}
+
 template <int D>
 std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   std::vector<TouchForce> forces;
   for (const auto* rows : {&kept_.contacts, &kept_.supports, &kept_.friction}) {
     for (Row row : *rows) {
       placeRow(row, poses);
-      // The velocity of a brick's point along a direction begins with that direction.
-      constexpr int kAxes = D == 6 ? 3 : 2;
       const auto& [a, b] = std::tie(row.contact.brickA, row.contact.brickB);
       const bool onA = brick::isBrick(a);
       TouchForce touch = {onA ? a : b, onA ? b : a, brick::contactPoints(row.contact, poses).onA,
-                          Vector3::Zero(), 0};
-      const auto& tangents = onA ? row.tangentA : row.tangentB;
-      const auto& normal = onA ? row.normalA : row.normalB;
-      touch.force.template head<kAxes>() =
-          tangents.template leftCols<kAxes>().transpose() * row.slipMultiplier / kept_.step;
+                          inSpace(row, row.slipMultiplier / kept_.step), 0};
       if (row.hasNormal) {
+        constexpr int kAxes = D == 6 ? 3 : 2;
+        const auto& normal = onA ? row.normalA : row.normalB;
         touch.push = row.multiplier / kept_.step;
         touch.force.template head<kAxes>() +=
             touch.push * normal.template head<kAxes>().transpose();
@@ -846,22 +856,56 @@ void Stepper<D>::setHeldForces(const std::vector<double>& forces) {
   for (Row& row : kept_.contacts) row.multiplier = std::max(0.0, row.multiplier);
 }
 
+/// The velocities of a motion in the coordinates of the solver. Pinned bricks are at rest.
 template <int D>
-double Stepper<D>::stickSlipSpeed(const Motion& start) const {
+Eigen::VectorXd Stepper<D>::packed(const Motion& motion) const {
   Vector velocities(D * bricks_.size());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);
+    velocities.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
   }
+  return velocities;
+}
+
+/// Whether a point of friction sticks in the last step.
+template <int D>
+bool Stepper<D>::sticks(const Row& row) {
+  return row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
+}
+
+/// The slip velocity of a point of friction at these poses, world axes, m/s.
+template <int D>
+Vector3 Stepper<D>::slipOf(Row row, const Poses& poses, const Vector& velocities) const {
+  placeRow(row, poses);
+  return inSpace(row, row.slipVelocity(velocities));
+}
+
+template <int D>
+double Stepper<D>::stickSlipSpeed(const Motion& start) const {
+  const Vector velocities = packed(start);
   double fastest = 0;
   for (const std::vector<Row>* rows : {&kept_.friction, &kept_.supports}) {
-    for (Row row : *rows) {
-      const bool sticks = row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
-      if (!sticks) continue;
-      placeRow(row, start.poses);
-      fastest = std::max(fastest, row.slipVelocity(velocities).norm());
+    for (const Row& row : *rows) {
+      if (sticks(row)) fastest = std::max(fastest, slipOf(row, start.poses, velocities).norm());
     }
   }
   return fastest;
+}
+
+template <int D>
+double Stepper<D>::timeOfReversal(const Motion& start, const Motion& end, double slow) const {
+  const Vector before = packed(start), after = packed(end);
+  double first = std::numeric_limits<double>::infinity();
+  for (const std::vector<Row>* rows : {&kept_.friction, &kept_.supports}) {
+    for (const Row& row : *rows) {
+      if (sticks(row)) continue;
+      const Vector3 slip = slipOf(row, start.poses, before);
+      const Vector3 fall = slip - slipOf(row, end.poses, after);
+      if (slip.norm() <= slow || !(slip.dot(fall) > 0)) continue;
+      const double time = slip.dot(fall) / fall.squaredNorm();
+      if ((slip - time * fall).norm() <= slow) first = std::min(first, time);
+    }
+  }
+  return first;
 }
 
 /// Finds velocities with friction bounds that follow from the normal impulses of this step instead
@@ -936,11 +980,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
 
 template <int D>
 double Stepper<D>::energyOfMotion(const Motion& motion) const {
-  Vector x(D * bricks_.size());
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    x.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
-  }
-  return system_.kineticEnergy(motion.poses, x);
+  return system_.kineticEnergy(motion.poses, packed(motion));
 }
 
 template <int D>
@@ -1278,10 +1318,7 @@ template <int D>
 bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   const Vector warm = program_.multipliers;
   system_.setMasses(motion.poses);
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Velocity& velocity = motion.velocities[i];
-    program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
-  }
+  program_.x = packed(motion);
   program_.force = system_.timesA(program_.x);
   program_.multipliers.setZero();
   program_.contacts.clear();
@@ -1301,18 +1338,21 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   return true;
 }
 
-/// Whether joints and pins allow the velocities, and no contacts are held.
+/// Whether joints, pins and held contacts allow the velocities.
 template <int D>
 bool Stepper<D>::allowsVelocities(const Motion& motion) {
-  if (!kept_.contacts.empty()) return false;
-  Vector x(D * bricks_.size());
+  const Vector x = packed(motion);
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    x.segment<D>(D * i) = Space::pack(motion.velocities[i]);
-    if (pinned_[i] && !x.segment<D>(D * i).isZero(0)) return false;
+    if (x.segment<D>(D * i) != Space::pack(motion.velocities[i])) return false;
   }
   system_.placeJoints(motion.poses);
-  const double speed = std::max(system_.largestSpeed(x), kSlow * settings_.lengthScale);
-  return system_.largestOfPivots(system_.jointVelocity(x)) <= kSpeedTolerance * speed;
+  const double allowed =
+      kSpeedTolerance * std::max(system_.largestSpeed(x), kSlow * settings_.lengthScale);
+  return system_.largestOfPivots(system_.jointVelocity(x)) <= allowed &&
+         std::ranges::all_of(kept_.contacts, [&](Row row) {
+           placeRow(row, motion.poses);
+           return row.normalVelocity(x) >= -allowed;
+         });
 }
 
 template <int D>

@@ -121,6 +121,11 @@ class JointSolver {
   /// points of contacts and supports.
   virtual double stickSlipSpeed(const Motion& start) const = 0;
 
+  /// When the slip of a point of friction first passes 0 between two motions or after them, if it
+  /// is linear in time. In units of the time between the motions, > 0; infinity: never. Slip below
+  /// `slow` (m/s) counts as 0. Points that stick in the last Euler step do not count.
+  virtual double timeOfReversal(const Motion& start, const Motion& end, double slow) const = 0;
+
   /// Closes joints like assemble(), moves the held contacts that pushed in the last Euler step back
   /// to their planes, and projects the velocities, in the metric of the masses, to those that keep
   /// joints closed and contacts apart. Returns the largest remaining gap, metres; infinity if no

@@ -8,6 +8,9 @@
 // 3. For each of these contacts, bisection on cubics between the step's ends finds the moment at
 //    which its gap becomes 0. The first of these moments is the impact. The moment at which a
 //    pushing corner leaves the region of two faces is found in the same way.
+//    Friction jumps if slip reverses. Slip that is linear in time predicts this moment: at first
+//    between the ends of the rejected step, then from each step that ends before it (Newton's
+//    method).
 // 4. A step ends exactly at this moment. The impact changes velocities by the least amount in the
 //    metric of the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping
 //    process). Its contacts are held from then on.
@@ -26,7 +29,14 @@ namespace {
 
 // Times that differ by less than this fraction of a call are the same.
 constexpr double kSameMoment = 1e-9;
-constexpr int kMostImpacts = 8;  // impacts in one call
+constexpr int kMostImpacts = 8;      // impacts in one call
+constexpr int kMostReversals = 100;  // steps rejected for reversals of slip in one call
+// Slip below this fraction of the tolerance in the longest step counts as 0.
+constexpr double kSlowSlip = 0.1;
+// Steps end at these fractions of the time to a reversal. The reversal itself disturbs the
+// prediction of a rejected step.
+constexpr double kBeforeReversal = 0.999;
+constexpr double kAfterRejection = 0.5;
 // After too many impacts or changes of contacts, this number of calls has only first-order steps.
 constexpr int kCallsToWait = 8;
 constexpr int kImpactBisections = 60;  // these find the time to the last bit
@@ -68,7 +78,7 @@ bool ToleranceSteps::touchInStep(const Motion& from, const Motion& to, double se
   contacts_.exact->startStep(from.poses);
   contacts_.exact->appendViolated(to.poses, violated);
   if (violated.empty()) return false;
-  meeting_ = {from, to, seconds, std::move(violated)};
+  meeting_ = {StepEvent::Collision, from, to, seconds, std::move(violated)};
   return true;
 }
 
@@ -80,14 +90,25 @@ bool ToleranceSteps::leaveBorders(const Motion& from, const Motion& to, double s
     return contacts_.exact->insideBorders(contact, to.poses) >= -contacts_.touching;
   });
   if (leaving.empty()) return false;
-  meeting_ = {from, to, seconds, std::move(leaving), true};
+  meeting_ = {StepEvent::Leaving, from, to, seconds, std::move(leaving)};
+  return true;
+}
+
+/// Whether slip reverses in a step. Slip that stops is an error of the step itself.
+bool ToleranceSteps::reverseSlip(const Motion& from, const Motion& to, double seconds) {
+  const double slow =
+      kSlowSlip * settings_.tolerance * settings_.lengthScale / settings_.longestStep;
+  reversal_ = seconds * solver_.timeOfReversal(from, to, slow);
+  if (reversal_ > seconds || reversals_ == kMostReversals) return false;
+  ++reversals_;
+  meeting_ = {StepEvent::Reversal, from, to, seconds};
   return true;
 }
 
 /// When in the step that was not taken the first corner is as far outside its region as points that
 /// touch may be, seconds after its start.
 double ToleranceSteps::momentOfLeaving() const {
-  const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
+  const auto& [event, from, to, seconds, contacts] = *meeting_;
   double inside = 0, outside = seconds;
   for (int k = 0; k < kImpactBisections && outside - inside > kSameMoment * seconds; ++k) {
     const double middle = 0.5 * (inside + outside);
@@ -103,8 +124,9 @@ double ToleranceSteps::momentOfLeaving() const {
 /// When in the step that was not taken the first of its contacts closes, seconds after its start.
 /// Holds nothing if bricks passed through each other.
 std::optional<double> ToleranceSteps::momentOfImpact() const {
-  const auto& [from, to, seconds, contacts, isLeaving] = *meeting_;
-  if (isLeaving) return momentOfLeaving();
+  const auto& [event, from, to, seconds, contacts] = *meeting_;
+  if (event == StepEvent::Reversal) return kAfterRejection * reversal_;
+  if (event == StepEvent::Leaving) return momentOfLeaving();
   std::optional<double> first;
   for (const brick::Contact& contact : contacts) {
     if (brick::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
@@ -190,7 +212,8 @@ double ToleranceSteps::depart(Motion& motion, double seconds, const mechanics::T
 double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
                                        const mechanics::TimedLoads& loads, StepReport& report) {
   const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
-    return !touchInStep(from, to, length) && !leaveBorders(from, to, length);
+    return !touchInStep(from, to, length) && !leaveBorders(from, to, length) &&
+           !reverseSlip(from, to, length);
   };
   double done = 0;
   const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
@@ -202,6 +225,8 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
   double goal = seconds;                // or the moment of the next impact
   std::vector<brick::Contact> closing;  // then
   int impacts = 0;
+  reversals_ = 0;
+  bool isReversing = false;  // soon
   done = depart(motion, seconds, loads, isFree, report);
   if (done > 0 && done < seconds - shortest) passed_.push_back({done, motion});
   while (done < seconds - shortest) {
@@ -210,18 +235,22 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
     if (taken) {
       done += *taken;
       holdTouching(motion.poses);
+      if (isReversing) goal = std::min(seconds, done + kBeforeReversal * (reversal_ - *taken));
       if (done < goal - shortest) passed_.push_back({done, motion});
     } else {
       const auto after = meeting_ ? momentOfImpact() : std::nullopt;
-      if (!after || ++impacts > kMostImpacts) break;
+      if (!after) break;
+      isReversing = meeting_->event == StepEvent::Reversal;
+      if (!isReversing && ++impacts > kMostImpacts) break;
       goal = done + *after;
       closing.clear();
-      if (!meeting_->isLeaving) closing = meeting_->contacts;
+      if (meeting_->event == StepEvent::Collision) closing = meeting_->contacts;
     }
     if (done < goal - shortest) continue;
     if (!closing.empty()) report.impacted += collide(done, closing, motion);
     goal = seconds;
     closing.clear();
+    isReversing = false;
   }
   return done;
 }

@@ -38,7 +38,10 @@ class ToleranceSteps {
         contacts_(contacts),
         settings_(settings),
         firstOrderStep_(firstOrderStep),
-        extrapolation_(bricks, solver, settings) {}
+        extrapolation_(bricks, solver, settings) {
+    // A long step shows which touching bricks press on each other.
+    if (contacts.exact) extrapolation_.tryLongest();
+  }
 
   /// Advances the motion by `seconds`. `isPinned`: whether any brick is pinned.
   StepReport advance(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
@@ -55,6 +58,7 @@ class ToleranceSteps {
  private:
   bool touchInStep(const Motion& from, const Motion& to, double seconds);
   bool leaveBorders(const Motion& from, const Motion& to, double seconds);
+  bool reverseSlip(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
   double momentOfLeaving() const;
   void setHeld(std::vector<brick::Contact> contacts);
@@ -67,13 +71,16 @@ class ToleranceSteps {
   StepReport advanceByFirstOrder(Motion& motion, double begin, double end,
                                  const mechanics::TimedLoads& loads);
 
-  /// A rejected step: bricks collide in it, or a pushing corner leaves its region.
+  /// What ends a step: bricks collide, a pushing corner leaves its region, or slip reverses.
+  enum class StepEvent { Collision, Leaving, Reversal };
+
+  /// A rejected step with an event in it.
   struct Meeting {
+    StepEvent event = StepEvent::Collision;
     Motion from;
     Motion to;
     double seconds = 0;
-    std::vector<brick::Contact> contacts;  // violated at its end; whole planes
-    bool isLeaving = false;                // false: bricks collide
+    std::vector<brick::Contact> contacts = {};  // violated at its end; whole planes
   };
 
   const std::vector<brick::Brick>& bricks_;
@@ -84,6 +91,8 @@ class ToleranceSteps {
   mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;
   std::optional<Meeting> meeting_;  // of the last tried step
+  double reversal_ = 0;             // of slip, seconds after the start of that step
+  int reversals_ = 0;               // steps of the call that were rejected for them
   int callsToWait_ = 0;             // calls that use first order after too many impacts
   std::optional<mechanics::Departure> departure_;  // from a singular start; absent after it
   std::vector<mechanics::PassedState> passed_;

@@ -1,5 +1,6 @@
 // Bricks that touch in part of a face, against known motions: a brick that tips over the edge of
-// another one, stacks at the limit of balance, plates that spin to rest.
+// another one, stacks at the limit of balance, bricks that slide to and fro, plates that spin to
+// rest.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -47,11 +48,17 @@ struct Running : Moving {
     dynamics->setPinned(pinned);
   }
 
-  void run(int calls) {
-    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<brick::Load>& loads) {
-      std::ranges::fill(loads, brick::Load{});
+  /// `spring`: the stiffness of a spring along x from each brick's centre to the origin, N/m.
+  void run(int calls, double spring = 0) {
+    const mechanics::TimedLoads pull = [&](double, const Poses& poses,
+                                           std::vector<brick::Load>& loads) {
+      for (std::size_t i = 0; i < loads.size(); ++i) {
+        loads[i] = {};
+        loads[i].force.x() = -spring * poses[i].position.x();
+        loads[i].stiffness(0, 0) = spring;
+      }
     };
-    for (int call = 0; call < calls; ++call) dynamics->advanceToTolerance(motion, kCall, none);
+    for (int call = 0; call < calls; ++call) dynamics->advanceToTolerance(motion, kCall, pull);
   }
   /// The turn of a brick about y, radians.
   double tilt(std::size_t brick) const {
@@ -197,6 +204,57 @@ TEST(Stack, RestsUpToItsHarmonicOverhangs) {
       EXPECT_NEAR(stack.tilt(3), 0, 1e-6);
     } else {
       EXPECT_NEAR(stack.tilt(3), tippedAngle(more, t, 0.3), 3e-3);
+    }
+  }
+}
+
+// A brick slides on a faster one, which the ground brakes. As soon as both are equally fast,
+// friction between them turns back. The brick below stops, the other one slides on. Between these
+// moments all accelerations are constant.
+TEST(BrickOnBrick, SlidesForwardAndBackToTheTolerance) {
+  const double between = 0.1 * kGravity, ground = 0.5 * 2 * kGravity;  // forces, N
+  const double upper = 0.5, lower = 1, thickness = 0.02;               // speeds, m/s
+  const double meet = (lower - upper) / (ground + 2 * between);
+  const double both = upper + between * meet;
+  const double stop = both / (ground - between);  // after the meeting
+  const double end = 24 * kCall;
+  const double lowerMove = meet * (lower + both) / 2 + stop * both / 2;
+  const double upperMove =
+      meet * (upper + both) / 2 + both * (end - meet) - between * std::pow(end - meet, 2) / 2;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    scene::Scene scene =
+        loose({rectangle({-2, -0.5, 0}, 4, 1), rectangle({-0.3, -0.3, thickness}, 0.6, 0.6)},
+              thickness, 0.1);
+    scene.environment.ground = scene::Ground{0, 0.5};
+    Running pair(scene, tolerance, -1);
+    pair.motion.velocities[0].linear.x() = lower;
+    pair.motion.velocities[1].linear.x() = upper;
+    pair.run(24);
+    EXPECT_NEAR(pair.motion.poses[0].position.x(), lowerMove, tolerance) << tolerance;
+    EXPECT_NEAR(pair.motion.poses[1].position.x(), upperMove, tolerance) << tolerance;
+  }
+}
+
+// A spring pulls a brick to and fro on the ground. In each half period the brick oscillates about a
+// point at mu g / w^2 from the middle, on the side from which it comes.
+TEST(SpringOnTheGround, LosesTheSameAmplitudeInEachHalfPeriod) {
+  const double stiffness = 400, rate = 20, friction = 0.2;  // 1 kg, 20 rad/s
+  const double shift = friction * kGravity / stiffness, amplitude = 0.05;
+  const int calls = 42;
+  const double half = std::numbers::pi / rate;
+  const double turns = std::floor(calls * kCall / half);  // 4, before it sticks
+  const double side = std::fmod(turns, 2) == 0 ? 1 : -1;
+  const double expected = side * (shift + (amplitude - (2 * turns + 1) * shift) *
+                                              std::cos(rate * (calls * kCall - turns * half)));
+  for (const bool isPlanar : {false, true}) {
+    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+      scene::Scene scene = loose({rectangle({amplitude - 0.5, -0.5, 0}, 1, 1)}, 1e-3, 0);
+      scene.environment.ground = scene::Ground{0, friction};
+      scene.solver.planar = isPlanar;
+      Running brick(scene, tolerance, -1);
+      brick.run(calls, stiffness);
+      EXPECT_NEAR(brick.motion.poses[0].position.x(), expected, 10 * tolerance)
+          << tolerance << isPlanar;
     }
   }
 }
