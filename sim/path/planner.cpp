@@ -287,17 +287,17 @@ std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::Geome
   const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
   const scene::ContactFilter contacts =
       arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
-  if (auto path = smoothed(scene, found, contacts, part, shouldContinue)) {
-    better.path = *std::move(path);
-    // Without overlaps on the found path, a path near it needs no contacts.
-    if (before.overlapGrowth > allowed) better.contacts = contacts;
-    evaluate(scene, better);
-  }
+  auto path = smoothed(scene, found, contacts, part, shouldContinue);
+  budget.spend(part.spent());
+  if (!path) return std::nullopt;
+  better.path = *std::move(path);
+  // Without overlaps on the found path, a path near it needs no contacts.
+  if (before.overlapGrowth > allowed) better.contacts = contacts;
+  evaluate(scene, better);
   run::PathEvaluation& after = better.evaluation;
   const std::string prefix = "smoothed: ";
   if (!before.candidate.starts_with(prefix)) after.candidate = prefix + before.candidate;
   after.work = part.spent();
-  budget.spend(part.spent());
   const run::PathEvaluation improved = after;
   const bool isFreed = before.overlapGrowth > allowed && after.overlapGrowth <= allowed;
   // Smaller openings are equal, but tiles of rounded coordinates stay closed within the rounding. A

@@ -27,7 +27,7 @@
 //
 // The states are then interpolated by cubics at constant speed, closed and pushed apart again.
 // Parts that this leaves rough are improved again, with the states of the result. Where bricks
-// overlap between two states, the spacing is halved up to three times before such rounds.
+// overlap between two states, others are inserted between them.
 //
 // J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, 2006, chapter 18 (sequential
 // quadratic programming). N. Ratliff et al., CHOMP: gradient optimization techniques for efficient
@@ -84,8 +84,6 @@ constexpr double kSmoothEnough = 0.05;
 // Parts of the result with larger changes are improved again.
 constexpr double kRough = 0.25;
 constexpr std::size_t kRoughMargin = 10;  // states on both sides of a rough part of the result
-constexpr std::size_t kHalvedMargin = 5;  // the same where bricks overlap between states
-constexpr int kHalvings = 3;              // of the spacing there
 constexpr int kModes = 24;                // maximum number of modes of openings
 constexpr double kWaves = 16;             // an opening costs as much as a wave of equal size
 constexpr double kOpenWaves = 8;          // the same if all joints may open
@@ -93,19 +91,17 @@ constexpr double kOpenWaves = 8;          // the same if all joints may open
 // squares adds to it. Without this, joints far below the largest opening would have no cost.
 constexpr std::array kExponents = {4.0, 8.0, 16.0, 32.0};
 constexpr double kShareOfSquares = 0.01;
-constexpr int kOpeningSteps = 4;                 // Newton steps per exponent
-constexpr double kMinOpeningGain = 1e-3;         // of the energy; a smaller gain ends them
-constexpr double kPriceOfOverlap = 1e4;          // over that of a second difference
-constexpr int kOverlapSteps = 4;                 // to find which gaps have this price
-constexpr double kMargin = 0.1;                  // of gaps in the program
-constexpr double kPushMargin = 0.03;             // the same while bricks are pushed apart
-constexpr double kPointReach = 1e-2;             // of the points of a pair
-constexpr double kOverlap = 1e-5;                // overlap that is ignored
-constexpr double kFinalOverlap = 1e-5;           // the same in the result
-constexpr double kMaxOverlap = 4 * kOverlap;     // limit for an accepted round
-constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
-constexpr int kEarlyRounds = 4;
-constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
+constexpr int kOpeningSteps = 4;              // Newton steps per exponent
+constexpr double kMinOpeningGain = 1e-3;      // of the energy; a smaller gain ends them
+constexpr double kPriceOfOverlap = 1e4;       // over that of a second difference
+constexpr int kOverlapSteps = 4;              // to find which gaps have this price
+constexpr double kMargin = 0.1;               // of gaps in the program
+constexpr double kPushMargin = 0.03;          // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;          // of the points of a pair
+constexpr double kOverlap = 1e-5;             // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;        // the same in the result
+constexpr double kMaxOverlap = 4 * kOverlap;  // limit for an accepted round
+constexpr double kLongestRoundMove = 0.15;    // of a brick in a round
 constexpr int kPushes = 8;
 constexpr double kNoPushGain = 0.98;     // fraction of an overlap that is left by pushes that end
 constexpr double kPriceOfPushing = 1e3;  // price of opening joints over that of moving
@@ -238,7 +234,6 @@ class Smoothing {
     if (!isImproved) return {};
     // Bricks that overlap in many states would need many others between them.
     if (!isFree) return states_;
-    for (int level = 0; level < kHalvings && !isOver() && halveWhereOverlapping();) ++level;
     return withInsertedStates();
   }
 
@@ -386,7 +381,7 @@ class Smoothing {
     double damping = kFirstDamping;
     for (int tries = kSmoothingTries; taken < kSmoothingRounds && !isOver();) {
       const double before = energy_;
-      if (!round(damping, tries, taken)) break;
+      if (!round(damping, tries)) break;
       ++taken;
       if (energy_ <= before && energy_ > (1 - kMinRoundGain) * before) break;
       if (isSmooth() && overlap_ <= kMaxOverlap * tile_) break;
@@ -812,7 +807,7 @@ class Smoothing {
   /// Tries rounds until one is accepted. Returns whether one was. Moves without constraints are
   /// about as long as with them and cost much less. So they decide about the damping: after a
   /// round that is not accepted, they must be half as long.
-  bool round(double& damping, int& tries, int taken) {
+  bool round(double& damping, int& tries) {
     const BandedProgram program = programOf();
     double limit = 2 * kLongestRoundMove;
     for (; tries > 0 && damping <= kMaxDamping && !isOver();) {
@@ -832,7 +827,7 @@ class Smoothing {
       if (y.size() > 0) {
         const std::vector<VectorXd> moves = movesOf(y);
         const double longestMove = longest(moves) / tile_;
-        if (take(moves, std::min(1.0, kLongestRoundMove / longestMove), taken)) {
+        if (take(moves, std::min(1.0, kLongestRoundMove / longestMove))) {
           const double factor = longestMove < 0.5 * kLongestRoundMove ? 10
                                 : longestMove < kLongestRoundMove     ? 3
                                                                       : 1;
@@ -846,7 +841,7 @@ class Smoothing {
   }
 
   /// Moves all states by a fraction of the moves. Keeps them if that is better.
-  bool take(const std::vector<VectorXd>& moves, double part, int taken) {
+  bool take(const std::vector<VectorXd>& moves, double part) {
     std::vector<Poses> tried = states_;
     for (std::size_t i = first_ + 1; i < last_; ++i) {
       tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - first_ - 1]);
@@ -857,8 +852,7 @@ class Smoothing {
     }
     const double overlap = overlapOf(std::span(tried).subspan(first_, last_ - first_ + 1));
     const double energy = energyOf(tried);
-    const double allowed =
-        std::max({kMaxOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
+    const double allowed = std::max(kMaxOverlap * tile_, overlap_);
     const bool isBetter = (energy < energy_ && overlap <= allowed) ||
                           (overlap < 0.7 * overlap_ && overlap_ > kMaxOverlap * tile_);
     if (!isBetter) return false;
@@ -903,14 +897,14 @@ class Smoothing {
 
   using Parts = std::vector<std::pair<std::size_t, std::size_t>>;
 
-  /// Parts around the states or the intervals before them that are marked, with a margin: their
-  /// first and last states.
-  Parts partsAround(const std::vector<bool>& marked, std::size_t margin) const {
+  /// Parts of the path in which steps change much, with a margin: their first and last states.
+  Parts roughParts() const {
     Parts parts;
+    const std::vector<double> changes = stepChanges();
     for (std::size_t i = 1; i < count(); ++i) {
-      if (!marked[i]) continue;
-      const std::size_t first = i - std::min(i, margin);
-      const std::size_t last = std::min(i + margin, count() - 1);
+      if (!(changes[i] > kRough)) continue;
+      const std::size_t first = i - std::min(i, kRoughMargin);
+      const std::size_t last = std::min(i + kRoughMargin, count() - 1);
       if (parts.empty() || first > parts.back().second) {
         parts.emplace_back(first, last);
       } else {
@@ -918,51 +912,6 @@ class Smoothing {
       }
     }
     return parts;
-  }
-
-  /// Parts of the path in which steps change much.
-  Parts roughParts() const {
-    std::vector<bool> marked;
-    for (const double change : stepChanges()) marked.push_back(change > kRough);
-    return partsAround(marked, kRoughMargin);
-  }
-
-  /// Halves the spacing around states between which bricks overlap, and improves these parts.
-  /// Returns whether there were any.
-  bool halveWhereOverlapping() {
-    std::vector<bool> marked(count(), false);
-    for (std::size_t i = 1; i < count(); ++i) {
-      marked[i] = overlapsBetween(states_[i - 1], states_[i]);
-    }
-    Parts parts = partsAround(marked, kHalvedMargin);
-    std::ranges::reverse(parts);  // the numbers of the earlier states stay
-    for (const auto& [first, last] : parts) {
-      const auto [before, after] = halve(first, last);
-      improve(before, after);
-    }
-    return !parts.empty();
-  }
-
-  /// Inserts states in the middle of the intervals of a part and of one interval on both sides,
-  /// whose second differences then belong to the part. Returns the new numbers of its ends.
-  std::pair<std::size_t, std::size_t> halve(std::size_t first, std::size_t last) {
-    const std::vector<double> from = run::pathLengths(bricks_, states_);
-    const std::size_t begin = first - std::min<std::size_t>(first, 1);
-    const std::size_t end = std::min(last + 1, count() - 1);
-    std::vector<Poses> between;
-    for (std::size_t i = begin + 1; i <= end; ++i) {
-      between.push_back(stateAt(from, 0.5 * (from[i - 1] + from[i])));
-    }
-    for (std::size_t i = end; i > begin; --i) {
-      const auto at = static_cast<std::ptrdiff_t>(i);
-      const bool isOpen = isOpen_[i - 1] || isOpen_[i];
-      const Poses& state = between[i - begin - 1];
-      bases_.insert(bases_.begin() + at, bases_[i]);
-      hasOwnBasis_.insert(hasOwnBasis_.begin() + at, false);
-      states_.insert(states_.begin() + at, state);
-      isOpen_.insert(isOpen_.begin() + at, isOpen);
-    }
-    return {first + (first - begin), last + (last - begin)};
   }
 
   /// The states with others between two of them where bricks overlap there.
