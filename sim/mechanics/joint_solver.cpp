@@ -717,6 +717,8 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
       const bool onA = brick::isBrick(a);
       TouchForce touch = {onA ? a : b, onA ? b : a, brick::contactPoints(row.contact, poses).onA,
                           inSpace(row, row.slipMultiplier / kept_.step), 0};
+      // Bricks of a planar scene touch along their thickness.
+      if (D == 3 && brick::isBrick(a) && brick::isBrick(b)) touch.point.z() = poses[a].position.z();
       if (row.hasNormal) {
         constexpr int kAxes = D == 6 ? 3 : 2;
         const auto& normal = onA ? row.normalA : row.normalB;

@@ -5,6 +5,7 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/lattice.h"
+#include "tests/sim/run/moving.h"
 #include "tests/support/physics.h"
 
 namespace kirireel {
@@ -203,8 +204,8 @@ TEST(Holds, CarryWhatRestsOnTheGround) {
 }
 
 // A brick slides on the ground in its plane. The ground carries the weight and brakes with mu times
-// the weight. Its pressure is farther in front, so that the brick does not tip: the moment about the
-// centre of mass is 0.
+// the weight. Its pressure is farther in front, so that the brick does not tip: the moment about
+// the centre of mass is 0.
 TEST(Holds, OfAPlanarBrickIncludeTheWeight) {
   for (const double friction : {0.0, 0.3}) {
     scene::Scene scene = fallingBricks(0);
@@ -223,6 +224,38 @@ TEST(Holds, OfAPlanarBrickIncludeTheWeight) {
       EXPECT_NEAR(arm.z(), -0.1, 1e-9);
       EXPECT_LT((arm.cross(holds[0].force) + holds[0].moment).norm(), 1e-9);
     }
+  }
+}
+
+// A planar brick slides along a held one, which the force (5, -3) m presses it against. Forces and
+// moments about its centre of mass are in balance with its constant acceleration.
+TEST(Holds, OfAPlanarBrickAlongAnotherAreInBalance) {
+  const double wall = 0.2, ground = 0.3;  // friction
+  scene::Scene scene = fallingBricks(0);
+  scene.model.tiles = {test::rectangle({-2, -0.5, 0}, 4, 0.5),
+                       test::rectangle({-1, 0, 0}, 0.6, 0.4)};
+  scene.environment.brickFriction = wall;
+  scene.environment.ground->friction = ground;
+  scene.environment.gravity = {5, -3, -kGravity};
+  scene.solver.planar = true;
+  scene.solver.tolerance = 1e-8;
+  scene.timeline = {{scene::Trigger{}, Pin{{0}}}};
+  scene.stop.duration = 0.2;
+  const Vector3 acceleration(5 - 3 * wall - kGravity * ground, 0, 0);
+  for (const trajectory::Sample& sample : samplesOf(scene)) {
+    if (sample.time < 0.1) continue;  // the impact is over
+    Vector3 force = scene.environment.gravity - acceleration, moment = Vector3::Zero();  // of 1 kg
+    int count = 0;
+    for (const trajectory::Hold& hold : sample.mechanics->holds) {
+      if (hold.tile != 1 && hold.other != 1) continue;
+      const double sign = hold.tile == 1 ? 1 : -1;
+      force += sign * hold.force;
+      moment += sign * ((hold.point - sample.poses[1].position).cross(hold.force) + hold.moment);
+      ++count;
+    }
+    EXPECT_EQ(count, 2);
+    EXPECT_LT(force.norm(), 1e-6) << force.transpose();
+    EXPECT_LT(moment.norm(), 1e-6) << moment.transpose();
   }
 }
 
