@@ -2,11 +2,13 @@
 // coordinates q, with constraints c(q, load) = 0. Newton's method solves
 //   | H  J^T | | dq |   | -g - J^T m |
 //   | J   0  | | dm | = | -c         |,   H the exact Hessian with the constraints' curvature,
-// with the factor L D L^T of H + w J^T J, w large, and refinement. Redundant rows of J need no
-// special treatment. D has one negative entry for each direction in which the energy falls within
-// the constraints (Sylvester's law of inertia; w J^T J makes all others positive). The load is an
-// unknown too. The length of the step along the last tangent fixes it (Riks 1979; Crisfield 1981).
-// The path therefore continues at load limits.
+// with the factor L D L^T of H + w J^T J, w large, and refinement. If the constraints are linear in
+// q, the factor is that of P H P + s (1 - P) instead: P projects onto the motions that they allow,
+// and s is any stiffness. Redundant rows of J need no special treatment. D has one negative entry
+// for each direction in which the energy falls within the constraints (Sylvester's law of inertia;
+// the second term makes all others positive). The load is an unknown too. The length of the step
+// along the last tangent fixes it (Riks 1979; Crisfield 1981). The path therefore continues at load
+// limits.
 //
 // Newton's method may find a state of another branch. A step is accepted if positions, forces and
 // energy change as the slopes at both of its ends predict (trapezoidal rule), and if every change
@@ -35,11 +37,15 @@ namespace {
 using Vector = LoadedSheet::Vector;
 using Matrix = LoadedSheet::Matrix;
 
-// Heavier constraints have larger rounding errors. They are used only for nearly redundant
-// constraints, as in almost closed sheets, if the default weight is too small compared with the
-// forces in the sheet.
+// Weight of constraints over the largest stiffness. Heavier constraints have larger rounding
+// errors. They are used only for nearly redundant constraints, as in almost closed sheets, if the
+// default weight is too small compared with the forces in the sheet.
+constexpr double kPenalty = 1e6;
 constexpr double kMaxPenalty = 1e12;
 constexpr double kHeavier = 1e2;
+// A stiffness below this fraction of the largest counts as zero: with weights, and without.
+constexpr double kNoResistance = 1e-8;
+constexpr double kNoFreeResistance = 1e-12;
 constexpr int kRefinements = 20;
 constexpr double kRefined = 1e-13;           // residual, relative to the right side
 constexpr double kClosedConstraint = 1e-12;  // constraints, length scales
@@ -108,10 +114,10 @@ class Equations {
   Equations(const LoadedSheet& sheet, const PathPoint& at, SymmetricFactor& factor)
       : H_(sheet.hessian(at.q, at.load, at.multipliers)),
         J_(sheet.jacobian(at.q)),
+        linear_(sheet.linearRows()),
         scale_(sheet.stiffnessScale()),
-        none_(sheet.noStiffness()),
         factor_(factor) {
-    factorise(sheet.constraintWeight() * scale_);
+    factorise(kPenalty * scale_);
   }
 
   /// Adds a constant to all stiffnesses, large enough that the energy rises in all directions.
@@ -131,7 +137,8 @@ class Equations {
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
   /// Whether some motion has almost no resistance.
   bool isLoose() const {
-    return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < none_ * scale_;
+    const double none = scale_ * (linear_ ? kNoFreeResistance : kNoResistance);
+    return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < none;
   }
 
   /// The change of q and of the multipliers.
@@ -145,7 +152,7 @@ class Equations {
   Change solve(const Vector& forces, const Vector& gaps) {
     double best = weight_;
     Change found = refine(forces, gaps);
-    while (found.rest > kRefined && weight_ < kMaxPenalty * scale_) {
+    while (!linear_ && found.rest > kRefined && weight_ < kMaxPenalty * scale_) {
       factorise(kHeavier * weight_);
       if (!isFactored()) break;
       Change heavier = refine(forces, gaps);
@@ -174,15 +181,32 @@ class Equations {
   // The weight is in joules, as H is: the constraints are in length scales or radians.
   void factorise(double weight) {
     weight_ = weight;
-    factor_.computeNext(H_ + weight_ * Matrix(J_.transpose() * J_));
+    if (linear_) {
+      factor_.computeNext(Matrix(linear_->free * H_ * linear_->free) +
+                          scale_ * Matrix(linear_->held * J_));
+    } else {
+      factor_.computeNext(H_ + weight_ * Matrix(J_.transpose() * J_));
+    }
+  }
+
+  // The change that removes residuals up to the rounding of the factor.
+  Change correction(const Vector& forces, const Vector& gaps) const {
+    if (!linear_) {
+      const Vector step = factor_.solve(forces + weight_ * (J_.transpose() * gaps));
+      return {step, weight_ * (J_ * step - gaps)};
+    }
+    Vector step = linear_->held * gaps;
+    const Vector within = linear_->free * (forces - H_ * step);
+    step += linear_->free * factor_.solve(within);
+    return {step, linear_->held.transpose() * (forces - H_ * step)};
   }
 
   // 0 / 0 counts as no residual.
   static double shareOf(double part, double whole) { return part > 0 ? part / whole : 0; }
 
-  // Iterative refinement of H dq + J^T dm = forces, J dq = gaps with the factor of H + w J^T J.
-  // Each round solves for the residual and updates the multipliers by w times the constraints'
-  // residual. This is the method of multipliers for the linear equations.
+  // Iterative refinement of H dq + J^T dm = forces, J dq = gaps. With the factor of H + w J^T J,
+  // each round updates the multipliers by w times the constraints' residual. This is the method of
+  // multipliers for the linear equations.
   Change refine(const Vector& forces, const Vector& gaps) const {
     Change change{Vector::Zero(H_.cols()), Vector::Zero(J_.rows())};
     for (int round = 0; round < kRefinements; ++round) {
@@ -191,17 +215,17 @@ class Equations {
       change.rest = std::max(shareOf(restOfForces.norm(), forces.norm() + scale_ * gaps.norm()),
                              shareOf(restOfGaps.norm(), gaps.norm() + change.q.norm()));
       if (change.rest <= kRefined && round > 0) break;
-      const Vector step = factor_.solve(restOfForces + weight_ * (J_.transpose() * restOfGaps));
-      change.q += step;
-      change.multipliers += weight_ * (J_ * step - restOfGaps);
+      const Change step = correction(restOfForces, restOfGaps);
+      change.q += step.q;
+      change.multipliers += step.multipliers;
     }
     return change;
   }
 
   Matrix H_, J_;
   double weight_ = 0;
+  const LinearRows* linear_;
   double scale_;
-  double none_;
   SymmetricFactor& factor_;
 };
 

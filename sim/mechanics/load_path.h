@@ -85,6 +85,12 @@ struct RowRange {
   Eigen::Index count = 0;
 };
 
+/// The motions of coordinates under constraints that are linear in them.
+struct LinearRows {
+  Eigen::SparseMatrix<double> held;  ///< the least motions that change the rows: the pseudoinverse
+  Eigen::SparseMatrix<double> free;  ///< the projection onto the motions that change no row
+};
+
 /// A sheet in coordinates q, each a length in length scales or an angle in radians. Energies are in
 /// joules. Grip indices are >= 0. The load scales the moves and forces of all grips. All functions
 /// depend only on q, load and multipliers, and no call changes the object. Vectors have unknowns()
@@ -116,10 +122,6 @@ class LoadedSheet {
   virtual double energy(const Vector& q) const = 0;
   /// The largest stiffness of a coordinate, joules, the reference of tolerances.
   virtual double stiffnessScale() const = 0;
-  /// A stiffness below this fraction of the largest counts as zero.
-  virtual double noStiffness() const = 0;
-  /// Weight of constraints in the factored equations, over the largest stiffness.
-  virtual double constraintWeight() const = 0;
   /// d(energy)/dq minus the grips' forces, load * pull(q).
   virtual Vector gradient(const Vector& q, double load) const = 0;
   /// The grips' forces at load 1.
@@ -128,6 +130,8 @@ class LoadedSheet {
   virtual Vector residual(const Vector& q, double load) const = 0;
   /// The derivative of residual() with respect to q.
   virtual Matrix jacobian(const Vector& q) const = 0;
+  /// The motions under the rows if residual() is linear in q, else null.
+  virtual const LinearRows* linearRows() const { return nullptr; }
   /// Minus the derivative of residual() with respect to the load.
   virtual Vector motion() const = 0;
   /// The derivative of gradient + jacobian^T multipliers with respect to q. Symmetric, with all

@@ -42,6 +42,23 @@ double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
   return sum;
 }
 
+// The pseudoinverse by Newton's method: A. Ben-Israel, D. Cohen, On iterative computation of
+// generalized inverses and associated projections, SIAM J. Numer. Anal. 3, 1966. Rows that share no
+// coordinates stay separate, and redundant rows need no special treatment.
+mechanics::LinearRows linearRowsOf(const BarHingeSheet::Matrix& jacobian) {
+  constexpr double kConverged = 1e-8;  // relative change; the next one is its square
+  constexpr double kRounding = 1e-13;
+  BarHingeSheet::Matrix held = jacobian.transpose() / jacobian.squaredNorm(), change = held;
+  while (change.norm() > kConverged * held.norm()) {
+    change = held - BarHingeSheet::Matrix(BarHingeSheet::Matrix(held * jacobian) * held);
+    held += change;
+  }
+  BarHingeSheet::Matrix free(held.rows(), held.rows());
+  free.setIdentity();
+  free -= BarHingeSheet::Matrix(held * jacobian);
+  return {std::move(held), free.pruned(1.0, kRounding)};
+}
+
 }  // namespace
 
 // The stiffness scale is the largest second derivative of the energy with respect to a scaled
@@ -56,9 +73,9 @@ BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
   addRows();
 }
 
-// Rows of the constraints J q - offset - load * motion = 0. Each fixed node has three rows, and
-// each handle of a grip that moves has one. All rows are linear in q: J is built once; the
-// offset is J q at the start, which therefore satisfies the rows at the load 0.
+// Rows of the constraints J (q - start) - load * motion = 0. Each fixed node has three rows, and
+// each handle of a grip that moves has one. All rows are linear in q: J is built once. The start
+// satisfies them at the load 0.
 void BarHingeSheet::addRows() {
   Triplets entries;
   std::vector<double> motions;
@@ -81,8 +98,8 @@ void BarHingeSheet::addRows() {
   }
   jacobian_.resize(static_cast<Eigen::Index>(motions.size()), unknowns());
   jacobian_.setFromTriplets(entries.begin(), entries.end());
+  linearRows_ = linearRowsOf(jacobian_);
   motion_ = Eigen::Map<const Vector>(motions.data(), static_cast<Eigen::Index>(motions.size()));
-  offset_ = jacobian_ * startCoordinates();
 }
 
 // Coordinates 3 i to 3 i + 2 are the position of node i from the first one's start over the length
@@ -186,7 +203,7 @@ BarHingeSheet::Vector BarHingeSheet::gradient(const Vector& q, double load) cons
 }
 
 BarHingeSheet::Vector BarHingeSheet::residual(const Vector& q, double load) const {
-  return jacobian_ * q - offset_ - load * motion_;
+  return jacobian_ * (q - startCoordinates()) - load * motion_;
 }
 
 // The second derivative of the energy by q, joules. The rows are linear and the dead loads

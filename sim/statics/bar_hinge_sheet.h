@@ -65,7 +65,7 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(model_.nodes.size()); }
-  int rows() const override { return static_cast<int>(offset_.size()); }
+  int rows() const override { return static_cast<int>(motion_.size()); }
   std::size_t grips() const override { return grips_.size(); }
   mechanics::RowRange rowsOf(std::size_t grip) const override;
   Vector startCoordinates() const override;
@@ -73,12 +73,11 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   Poses posesAt(const Vector& q) const override;
   double energy(const Vector& q) const override;
   double stiffnessScale() const override { return stiffness_; }
-  double noStiffness() const override { return 1e-12; }
-  double constraintWeight() const override { return 1e2; }
   Vector gradient(const Vector& q, double load) const override;
   Vector pull(const Vector& q) const override;
   Vector residual(const Vector& q, double load) const override;
   Matrix jacobian(const Vector&) const override { return jacobian_; }
+  const mechanics::LinearRows* linearRows() const override { return &linearRows_; }
   Vector motion() const override { return motion_; }
   Matrix hessian(const Vector& q, double load, const Vector& multipliers) const override;
   double unit(std::size_t) const override { return scale_; }
@@ -104,7 +103,8 @@ class BarHingeSheet : public mechanics::LoadedSheet {
   double scale_ = 1;                  // metres
   double stiffness_ = 0;              // joules
   Matrix jacobian_;
-  Vector offset_, motion_;
+  mechanics::LinearRows linearRows_;
+  Vector motion_;
   std::vector<Eigen::Index> firstRow_;  // of each grip
 };
 

@@ -53,8 +53,6 @@ class ElasticSheet : public mechanics::LoadedSheet {
   Poses posesAt(const Vector& q) const override;
   double energy(const Vector& q) const override;
   double stiffnessScale() const override { return stiffness_; }
-  double noStiffness() const override { return 1e-8; }
-  double constraintWeight() const override { return 1e6; }
   Vector gradient(const Vector& q, double load) const override;
   Vector pull(const Vector& q) const override;
   /// Pivots in length scales, pins, and grips that move.

@@ -143,6 +143,44 @@ TEST(BarHingeSheets, SnapThroughLikeVonMisesTruss) {
   EXPECT_NEAR(path.states.back().energy, 0, 1e-14);
 }
 
+// A steep truss buckles sideways if l^3 = l0 y^2, with l the length of the bars, l0 that at rest
+// and y the height. It is straight again at a second height. Grips hold its feet, so both states
+// depend on the stiffness of constraints.
+TEST(BarHingeSheets, ShowWhereASteepTrussBuckles) {
+  const double b = 1, h = 3, move = 2.8, rest = std::hypot(b, h);
+  statics::BarHingeModel model;
+  model.nodes = {Vector3(-b, 0, 0), Vector3(b, 0, 0), Vector3(0, 0, h)};
+  model.bars = {{0, 2, rest, 40}, {1, 2, rest, 40}};
+  std::vector<statics::NodeGrip> grips = {{{{2}}, Vector3::UnitZ(), -move, false},
+                                          {{{2}}, Vector3::UnitY(), 0, false}};
+  for (const int foot : {0, 1}) {
+    for (int axis = 0; axis < 3; ++axis) grips.push_back({{{foot}}, Vector3::Unit(axis), 0, false});
+  }
+  const mechanics::LoadPath path =
+      mechanics::followLoad(statics::BarHingeSheet(model, grips), 0, {}, {});
+  ASSERT_TRUE(path.arrives) << path.trouble;
+  const auto heightBetween = [&](double buckled, double straight) {
+    for (int round = 0; round < 60; ++round) {
+      const double middle = 0.5 * (buckled + straight);
+      const bool isStraight = std::pow(std::hypot(b, middle), 3) > rest * middle * middle;
+      (isStraight ? straight : buckled) = middle;
+    }
+    return buckled;
+  };
+  const double first = (h - heightBetween(2, h)) / move, second = (h - heightBetween(2, 0)) / move;
+  std::vector<double> found;
+  for (const mechanics::Equilibrium& state : path.states) {
+    if (state.turning == mechanics::Turning::Bifurcation) {
+      found.push_back(state.load);
+    } else {
+      EXPECT_EQ(state.unstableModes, state.load > first && state.load < second) << state.load;
+    }
+  }
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], first, 1e-6);   // measured
+  EXPECT_NEAR(found[1], second, 1e-6);  // measured
+}
+
 /// Eight triangles around a raised vertex, pressed by 0.8 m through the plane of their rims: a
 /// waterbomb, whose bars are 1e8 times stiffer than its folds.
 struct Waterbomb {
