@@ -39,7 +39,8 @@ constexpr double kStepShare = 0.99;
 constexpr double kEquationWeight = 1e6;
 constexpr int kRefinements = 4;
 
-/// Residuals of a solution, as fractions of the largest gradient and bound.
+/// Residuals of a solution, as fractions of the largest gradient and bound. A gradient counts by
+/// the norm of a state, which does not depend on the state's basis.
 struct Tolerance {
   double complementarity, stationarity, feasibility;
 };
@@ -152,7 +153,7 @@ class InteriorPoint {
   /// Whether the residuals of the current point are below a tolerance.
   bool isSolved(const Tolerance& tolerance) const {
     return gap_ < tolerance.complementarity * size_ * top_ &&
-           dual_.cwiseAbs().maxCoeff() < tolerance.stationarity * size_ &&
+           dual_.colwise().norm().maxCoeff() < tolerance.stationarity * size_ &&
            primal_.abs().maxCoeff() < tolerance.feasibility * top_;
   }
 
@@ -236,7 +237,7 @@ class InteriorPoint {
   const BandedProgram& program_;
   Eigen::Index count_ = 0;  // constraints of all states
   ArrayXd bounds_;
-  double size_ = 0, top_ = 0;  // the largest entry of the gradient, and of the bounds
+  double size_ = 0, top_ = 0;  // the scale of the gradient, and the largest bound
   MatrixXd y_;
   ArrayXd slack_, excess_;      // s, t
   ArrayXd multiplier_, other_;  // l, u

@@ -5,6 +5,7 @@
 //   dC/dc / 2 = (w + share) c,   d2C/dc2 / 2 = w (I + (p - 2) e e') + share I.
 #include "sim/path/joint_openings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/run/mechanism_path.h"
@@ -42,6 +43,17 @@ VectorXd JointOpenings::openings(const Poses& poses) const {
     row += count;
   }
   return values;
+}
+
+double JointOpenings::largest(const VectorXd& openings) const {
+  double largest = 0;
+  int row = 0;
+  for (const brick::Pivot& pivot : pivots_) {
+    const int count = pivot.rowCount(isPlanar_);
+    largest = std::max(largest, openings.segment(row, count).norm());
+    row += count;
+  }
+  return largest;
 }
 
 SparseMatrix JointOpenings::jacobian(const Poses& poses) const {

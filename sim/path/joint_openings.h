@@ -35,6 +35,8 @@ class JointOpenings {
 
   /// Openings c of the joints, metres. For a link, the excess of its length.
   Eigen::VectorXd openings(const Poses& poses) const;
+  /// The norm of the largest opening of a joint, metres.
+  double largest(const Eigen::VectorXd& openings) const;
   /// dc/du.
   SparseMatrix jacobian(const Poses& poses) const;
   /// C = sum over the joints of (2/p) s^2 (|c|/s)^p + share |c|^2, with an exponent p >= 2 and a

@@ -121,7 +121,7 @@ constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian 
 // condition is larger.
 constexpr double kWellConditioned = 1e-3;
 constexpr double kRegular = 1e-12;     // added to J J', which redundant joints make singular
-constexpr double kClosedMove = 1e-10;  // change of a gap by a move of length 1 that keeps it closed
+constexpr double kClosedMove = 1e-10;  // change of a gap by moves of length 1 that keep it closed
 // The budget must allow this many factorisations: about eight rounds.
 constexpr double kMinFactorisations = 100;
 // If all joints may open, a program has this many freedoms per state at most, and the budget must
@@ -309,7 +309,7 @@ class Smoothing {
     bool isOwn = true;  // whether the last step used the derivatives of its own state
     for (int k = 0;; ++k) {
       const VectorXd missing = goal - joints_.openings(poses);
-      const double gap = missing.cwiseAbs().maxCoeff();
+      const double gap = joints_.largest(missing);
       if (gap < kNewtonEnd * tile_ || k == kNewtonSteps) return gap;
       if (isOwn && gap > kNoNewtonGain * before) return gap;
       isOwn = k == 0 || gap > kSlowNewton * before;
@@ -567,7 +567,7 @@ class Smoothing {
     MatrixXd closed = neighbour.leftCols(free_);
     for (int k = 0; k < 2; ++k) {
       const MatrixXd changes = least_.jacobian() * closed;
-      if (k > 0 && changes.cwiseAbs().maxCoeff() < kClosedMove) break;
+      if (k > 0 && joints_.largest(changes.rowwise().norm()) < kClosedMove) break;
       closed = orthonormal(closed - least_.forChanges(changes));
     }
     basis.leftCols(free_) = closed;
@@ -780,7 +780,7 @@ class Smoothing {
       if (gaps_) near = gaps_->find(states_[i], kMargin * tile_, kPointReach * tile_);
       appendGaps(near, bases_[i], 0.5 * kOverlap * tile_, program);
     }
-    program.priceScale = program.gradient.cwiseAbs().maxCoeff();
+    program.priceScale = program.gradient.colwise().norm().maxCoeff();
     return program;
   }
 
