@@ -18,40 +18,13 @@ using contacts::Outline;
 using contacts::PlacedOutline;
 using contacts::SeparatingPlane;
 
-// Points of an edge are at equal distance up to this fraction of the reach.
-constexpr double kTie = 1e-4;
 // Planes separate bricks equally well up to this fraction of their radii.
 constexpr double kEqualPlanes = 1e-9;
 
-/// The first and the last of the points that lie farthest against `direction`, within `tie` metres:
-/// the ends of an edge, or the same corner twice.
-std::array<Vector3, 2> lowestEdge(const PlacedOutline& placed, const Vector3& direction,
-                                  double tie) {
-  double low = std::numeric_limits<double>::infinity();
-  for (const Vector3& point : placed.points) low = std::min(low, point.dot(direction));
-  std::vector<Vector3> found;
-  for (const Vector3& point : placed.points) {
-    if (point.dot(direction) <= low + tie) found.push_back(point);
-  }
-  return {found.front(), found.back()};
-}
-
-/// The middle of the nearest points of two lines that are not parallel. Each line may degenerate to
-/// a point.
-Vector3 middleOfNearest(const std::array<Vector3, 2>& p, const std::array<Vector3, 2>& q) {
-  const Vector3 u = p[1] - p[0], v = q[1] - q[0], w = q[0] - p[0];
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
-  const double determinant = uu * vv - uv * uv;
-  double s = 0, t = 0;
-  if (determinant > 1e-12 * uu * vv) {
-    s = (vv * u.dot(w) - uv * v.dot(w)) / determinant;
-    t = (uv * u.dot(w) - uu * v.dot(w)) / determinant;
-  } else if (uu > 0) {
-    s = u.dot(w) / uu;
-  } else if (vv > 0) {
-    t = -v.dot(w) / vv;
-  }
-  return 0.5 * (p[0] + s * u + q[0] + t * v);
+/// The point that lies farthest against `direction`.
+const Vector3& lowestPoint(const PlacedOutline& placed, const Vector3& direction) {
+  return *std::ranges::min_element(placed.points, {},
+                                   [&](const Vector3& point) { return point.dot(direction); });
 }
 
 }  // namespace
@@ -222,9 +195,11 @@ void NearGapFinder::append(const PiecePair& pair, double distance, double reach,
     added.ofB << -normal, -(point - poses[brickB].position).cross(normal);
   };
   if (plane.kind == SeparatingPlane::Kind::Edges) {
-    const double tie = kTie * reach;
-    add(middleOfNearest(lowestEdge(placedA, normal, tie), lowestEdge(placedB, -normal, tie)),
-        distance);
+    const Vector3& pointA = lowestPoint(placedA, normal);
+    const Vector3& pointB = lowestPoint(placedB, -normal);
+    const Vector3 &a = placedA.directions[plane.a], &b = placedB.directions[plane.b];
+    const auto [onA, onB] = nearestOnLines(pointA, a, pointB, b);
+    add(0.5 * (pointA + onA * a + pointB + onB * b), distance);
     return;
   }
   const bool isOfA = plane.kind == SeparatingPlane::Kind::FaceOfA;
