@@ -577,9 +577,9 @@ class Planner {
   run::PathEnd endOf(const run::MechanismPath& path) const {
     if (path.isCutShort) return run::PathEnd::OutOfBudget;
     if (path.isStuck) return run::PathEnd::Stuck;
-    const double limit =
-        run::arrivalLimit(scene_.model, nearest_.error) + run::roundedReach(scene_.model);
-    if (path.error > limit) return run::PathEnd::Short;
+    if (!run::isNearestRounded(scene_.model, path.error, nearest_.error)) {
+      return run::PathEnd::Short;
+    }
     return folds_.isOnWrongSide(path.at(0.5)) ? run::PathEnd::WrongFolds : run::PathEnd::Arrived;
   }
 

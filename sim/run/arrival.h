@@ -14,21 +14,21 @@ inline constexpr double kArrivalTolerance = 1e-6;
 /// Above this error, in tiles, a target is missed even if no nearer state is known.
 inline constexpr double kFarError = 0.1;
 
-/// The largest target error that counts as arrived, metres. `smallestError`: the smallest known
-/// error with closed joints, metres; see AssembledState.
-inline double arrivalLimit(const model::Model& model, double smallestError) {
-  return kArrivalFactor * smallestError + kArrivalTolerance * model::tileSize(model);
-}
-
-/// Whether a target error, metres, equals the smallest known error within the tolerance.
+/// Whether a target error, metres, equals the smallest known error with closed joints within the
+/// tolerance; see AssembledState.
 inline bool isNearest(const model::Model& model, double error, double smallestError) {
-  return error <= arrivalLimit(model, smallestError);
+  return error <= kArrivalFactor * smallestError + kArrivalTolerance * model::tileSize(model);
 }
 
-/// Whether a run with this target error, metres, has arrived: no state is known that is nearer by
-/// more than the rounding of the model's coordinates, and the target is within reach.
+/// The same within the rounding of the model's coordinates.
+inline bool isNearestRounded(const model::Model& model, double error, double smallestError) {
+  return isNearest(model, error - roundedReach(model), smallestError);
+}
+
+/// Whether a run with this target error, metres, has arrived: no nearer state is known, and the
+/// target is within reach.
 inline bool hasArrived(const model::Model& model, double error, double smallestError) {
-  return error <= arrivalLimit(model, smallestError) + roundedReach(model) &&
+  return isNearestRounded(model, error, smallestError) &&
          error <= kFarError * model::tileSize(model);
 }
 
