@@ -689,7 +689,7 @@ constexpr double kSameDirection = 0.999;
 constexpr double kEqual = 1e-3;
 constexpr double kNearDirection = 0.9;
 
-// A point at most this far outside a face, in radii of a brick, still touches it.
+// A point at most this far outside a face, in radii of the smaller brick, still touches it.
 constexpr double kTouching = 1e-3;
 
 // Maximum changes of the separating plane of a pair within a step, and bisections for the moment of
@@ -756,6 +756,7 @@ BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<Separat
       b_(std::move(b)),
       scratch_(scratch),
       radiusB_(outerRadius(outlineB())),
+      touching_(kTouching * std::min(radiusB_, outerRadius(a_.shape->outline))),
       tolerance_(tolerance),
       faceContact_(faces),
       planes_(planes),
@@ -1018,7 +1019,7 @@ bool BrickPair::touches(const brick::Contact& contact, const PlacedOutline& plac
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
     // Beyond the plane of any face, the point is outside the other brick, so it cannot touch the
     // face within its borders.
-    if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
+    if (other.normals[f].dot(point - onFace) > touching_) return false;
   }
   return true;
 }

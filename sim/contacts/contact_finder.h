@@ -287,6 +287,7 @@ class BrickPair {
   OutlinedPiece a_, b_;
   PairScratch& scratch_;
   double radiusB_;
+  double touching_;  // a point at most this far outside a face touches it, metres
   double tolerance_;
   FaceContact faceContact_;
   double slack_ = 0;
