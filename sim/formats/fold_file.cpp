@@ -1230,6 +1230,12 @@ void addStates(const FoldReader& reader, const std::vector<std::vector<Vector3>>
     }
   }
   checkTargets(tables, model, start, warnings);
+  // With coordinates in all frames, angles of the first one are those of the last.
+  if (angles.empty() && normal && !model.waypoints.empty()) {
+    takeAnglesOfTarget(drawing.outlines, model.waypoints.back(), drawing.creases);
+    drawing.hasAngles |= std::ranges::any_of(
+        drawing.creases, [](const model::Crease& crease) { return crease.foldAngle.has_value(); });
+  }
   if (open.size() == 1) {
     warnings.push_back(openFolds(start.file, fmt::format("of frame {}", open[0]), widest,
                                  "This frame is not read"));
@@ -1374,8 +1380,9 @@ std::string foldText(const model::Model& inOrder, const std::vector<FoldState>& 
   json["frame_title"] = samples.empty() ? "start" : samples.front().title;
   for (const auto& [key, text] : sheet.texts) json[key] = text;
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
-  // A FOLD file without a unit gets none.
-  const bool hasUnit = !model.drawing || model.declaredUnit || model.unit.name != LengthUnit{}.name;
+  // A FOLD file without a unit gets none. The states of a run always have one.
+  const bool hasUnit = !samples.empty() || !model.drawing || model.declaredUnit ||
+                       model.unit.name != LengthUnit{}.name;
   if (hasUnit) json["frame_unit"] = model.unit.name;
   json[kPlaces] = coordinatesOf(model.tiles, sheet);
   json["faces_vertices"] = sheet.faces;

@@ -187,6 +187,7 @@ TEST(FoldUnits, AreThoseOfTheFile) {
   // A FOLD file without a unit gets none. A model of another format is in metres.
   model::Model plain = readText(twoSquares().dump()).model;
   EXPECT_FALSE(json::parse(formats::foldText(plain)).contains("frame_unit"));
+  EXPECT_EQ(json::parse(formats::foldText(plain, {{"t = 0 s", plain.tiles}}))["frame_unit"], "m");
   plain.drawing.reset();
   EXPECT_EQ(json::parse(formats::foldText(plain))["frame_unit"], "m");
 }
@@ -820,8 +821,8 @@ TEST(FoldFile, TargetsGiveLettersTheirAngles) {
   EXPECT_DOUBLE_EQ(model.foldAngles.at({0, 1}), -90 * kDegree);
   const json again = json::parse(formats::foldText(model));
   EXPECT_EQ(again["edges_assignment"], file["edges_assignment"]);
-  // The file has no angles, and its target gives them again.
-  EXPECT_FALSE(again.contains("edges_foldAngle"));
+  // The file has no angles, but its target has.
+  EXPECT_DOUBLE_EQ(again["edges_foldAngle"][1].get<double>(), -90);
   EXPECT_EQ(readText(again.dump()).model.foldAngles, model.foldAngles);
   // An option that chooses an angle writes it.
   file.erase("file_frames");
