@@ -126,7 +126,7 @@ class Stepper : public JointSolver {
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool solveWithPairForces(const Poses& start, double step);
-  double shareWithWork() const;
+  double shareWithWork(double tolerance) const;
   void limitWork();
   bool moveAndClose(const Poses& start, double step);
   void limitEnergyAfterClosing(const Poses& start, double step);
@@ -579,26 +579,26 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
 
 /// Joints and contacts do no work on the bricks, so x.Ax (the energy of the motion) is at most x.f
 /// (the available energy). Impulses that have not converged may violate this. Returns the largest
-/// fraction of the velocities for which the energy suffices, [0, 1]. It is 1 if impulses have
-/// converged, with compliant joints, and without contacts, because joints converge in shorter
-/// steps.
+/// fraction of the velocities for which the energy suffices, [0, 1]. It is 1 if the energy suffices
+/// to a relative tolerance, with compliant joints, and without contacts, because joints converge in
+/// shorter steps.
 template <int D>
-double Stepper<D>::shareWithWork() const {
+double Stepper<D>::shareWithWork(double tolerance) const {
   if (program_.contacts.empty() || !program_.exactJoints) return 1;
   const double cost = program_.x.dot(system_.timesA(program_.x));
   const double means = program_.x.dot(program_.force);
   const double slow = kSlow * settings_.lengthScale;
   double slowCost = 0;
   for (const brick::Brick& brick : bricks_) slowCost += brick.mass * slow * slow;
-  const double allowed = kWorkTolerance * std::max(cost, slowCost);
+  const double allowed = tolerance * std::max(cost, slowCost);
   return cost - means > allowed ? std::max(0.0, means / cost) : 1;
 }
 
-/// Slows all bricks if impulses do not converge, as among jammed bricks. Joints and contacts allow
-/// this, because they also allow rest.
+/// Slows all bricks if impulses are not exact, as among jammed bricks: no step gains energy. Joints
+/// and contacts allow this, because they also allow rest.
 template <int D>
 void Stepper<D>::limitWork() {
-  const double share = shareWithWork();
+  const double share = shareWithWork(0);
   if (share < 1) program_.x *= share;
 }
 
@@ -968,7 +968,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
   report_ = {.steps = 1};
-  if (!solveWithFriction(motion.poses) || shareWithWork() < 1) report_.unconverged = 1;
+  if (!solveWithFriction(motion.poses) || shareWithWork(kWorkTolerance) < 1) report_.unconverged = 1;
   keepHeldRows(step);
   countLosses(step, true);
   addGain(motion.poses, step, given);
@@ -1333,7 +1333,7 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   }
   const bool found = withFriction ? solveWithFriction(motion.poses) : solveVelocities(motion.poses);
   program_.multipliers = warm;
-  if (!found || shareWithWork() < 1) return false;
+  if (!found || shareWithWork(kWorkTolerance) < 1) return false;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
   }
