@@ -968,7 +968,8 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
   report_ = {.steps = 1};
-  if (!solveWithFriction(motion.poses) || shareWithWork(kWorkTolerance) < 1) report_.unconverged = 1;
+  if (!solveWithFriction(motion.poses) || shareWithWork(kWorkTolerance) < 1)
+    report_.unconverged = 1;
   keepHeldRows(step);
   countLosses(step, true);
   addGain(motion.poses, step, given);
