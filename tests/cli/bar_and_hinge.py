@@ -177,9 +177,9 @@ class Sheet:
                 np.add.at(total, (coordinates(nodes)[:, k, None], coordinates(nodes)), change)
         return (total + total.T) / 2
 
-    def balance(self, x, free):
+    def balance(self, x, free, is_singular):
         """The equilibrium near a state, by Newton's method on the free coordinates, until it gains
-        no more digits."""
+        no more digits. In a singular state, motions without stiffness get no step."""
         least = np.inf
         for _ in range(200):
             slope = self.gradient(x)[free]
@@ -187,7 +187,9 @@ class Sheet:
             if size < 1e-8 and size > 0.5 * least:
                 return x
             least = min(least, size)
-            step = np.linalg.solve(self.hessian(x)[free][:, free], slope)
+            stiffness = self.hessian(x)[free][:, free]
+            step = (np.linalg.lstsq(stiffness, slope, rcond=1e-7)[0] if is_singular
+                    else np.linalg.solve(stiffness, slope))
             x = x.copy()
             x.flat[free] -= min(1, 0.2 / np.abs(step).max()) * step
         raise SystemExit("no equilibrium was found")
@@ -205,7 +207,7 @@ def check(case, run):
     for row in rows:
         guess = x.copy() if before is None else 2 * x - before
         guess.flat[moved] = points.flat[moved] + float(row[f"{grip}_m"])
-        before, x = x, sheet.balance(guess, free)
+        before, x = x, sheet.balance(guess, free, row["turning"] == "bifurcation")
         forces.append(sheet.gradient(x)[moved].sum())
         energies.append(sheet.energy(x))
     own = np.array([float(row[f"{grip}_force_N"]) for row in rows])

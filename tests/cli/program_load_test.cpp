@@ -105,7 +105,7 @@ TEST(ProgramLoad, PullsAMiuraSheetLikeBarsAndHinges) {
 TEST(ProgramLoad, SnapsAKreslingTowerLikeBarsAndHinges) {
   if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to check origami with bars and hinges";
   const BarsAndHinges found = checkedByBarsAndHinges("kresling");
-  EXPECT_LT(found.forces, 1e-10);    // measured 1e-13
+  EXPECT_LT(found.forces, 1e-10);    // measured 1.3e-12, at a bifurcation
   EXPECT_LT(found.energies, 1e-10);  // measured 1e-15
   EXPECT_LT(found.softest, 0);
 }
