@@ -689,7 +689,7 @@ constexpr double kSameDirection = 0.999;
 constexpr double kEqual = 1e-3;
 constexpr double kNearDirection = 0.9;
 
-// A point at most this far outside a face, in radii of the smaller brick, still touches it.
+// A point at most this far outside a face, in radii of the larger brick, still touches it.
 constexpr double kTouching = 1e-3;
 
 // Maximum changes of the separating plane of a pair within a step, and bisections for the moment of
@@ -756,7 +756,7 @@ BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<Separat
       b_(std::move(b)),
       scratch_(scratch),
       radiusB_(outerRadius(outlineB())),
-      touching_(kTouching * std::min(radiusB_, outerRadius(a_.shape->outline))),
+      touching_(kTouching * std::max(radiusB_, outerRadius(a_.shape->outline))),
       tolerance_(tolerance),
       faceContact_(faces),
       planes_(planes),

@@ -198,8 +198,8 @@ DynamicPath searchPath(const scene::Scene& scene, const run::AssembledState& nea
   found.path.kind = scene::PathKind::Guided;
   found.path.guideTime = kGuidedPeriods / scene.springs.frequency;
   // Exact joints among bricks that overlap on the guide would jam.
-  const bool opens = guide.hasCompliantJoints && !guide.path.isRounded;
-  if (!scene.path.jointsAreCompliant() && (opens || straight.jams || !isFree)) {
+  const bool mayJam = guide.hasCompliantJoints || straight.jams || !isFree;
+  if (!scene.path.jointsAreCompliant() && mayJam) {
     found.path.jointRatio = run::kMisfitRatio;
   }
   found.reason = fmt::format("springs guide the tiles along a {}{}", guide.reason,
