@@ -8,11 +8,12 @@
 
 namespace kirireel::deploy {
 
-/// Runs the scene along its path (see planPath and chooseDynamicPath). Samples it at the start, every `sampleInterval`
-/// simulated seconds, and at the end. The interval does not affect the steps: a sample between two
-/// steps is interpolated from their poses. Throws InputError for invalid scenes. A run that
-/// diverges does not throw: it ends with its last step that lost no brick. `searching` receives
-/// each trial of the path search and may end the run. Either observer may be empty.
+/// Runs the scene along its path (see planPath and chooseDynamicPath). Samples it at the start,
+/// every `sampleInterval` simulated seconds, and at the end. The interval does not affect the
+/// steps: a sample between two steps is interpolated from their poses. Throws InputError for
+/// invalid scenes. A run that diverges does not throw: it ends with its last step that lost no
+/// brick. `searching` receives each trial of the path search and may end the run. Either observer
+/// may be empty.
 run::DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
                              const run::SampleObserver& observer,
                              const run::TrialObserver& searching = {});
