@@ -1,6 +1,7 @@
 // The gap of two convex pieces is their largest separation over all planes of faces and of pairs of
-// edges (sim/contacts/contact_finder.h). A point c on that plane, with the unit normal n from B to
-// A, moves with brick A by dx_a + dphi_a x (c - x_a), and in the same form with B. Thus
+// edges (sim/contacts/contact_finder.h). Let n be the unit normal of that plane, from B to A, and c
+// a point on it. As a point of brick A, c moves by dx_a + dphi_a x (c - x_a), as a point of B by
+// dx_b + dphi_b x (c - x_b). Thus
 //   dgap = n . dx_a + ((c - x_a) x n) . dphi_a - n . dx_b - ((c - x_b) x n) . dphi_b.
 // For two edges, c is the middle of the nearest points of their lines. n is parallel to the line
 // between these points, and its own change has no effect. For a face and points, c is each point.
@@ -21,7 +22,7 @@ using contacts::SeparatingPlane;
 // Planes separate bricks equally well up to this fraction of their radii.
 constexpr double kEqualPlanes = 1e-9;
 
-/// The point that lies farthest against `direction`.
+/// The point with the smallest product with `direction`.
 const Vector3& lowestPoint(const PlacedOutline& placed, const Vector3& direction) {
   return *std::ranges::min_element(placed.points, {},
                                    [&](const Vector3& point) { return point.dot(direction); });
@@ -107,7 +108,7 @@ const PlacedOutline& NearGapFinder::place(std::size_t piece, const Poses& poses)
 }
 
 /// The largest separation of a pair, metres. Stores its plane in `known`, the first of equally good
-/// planes. Stops at a lower bound that reaches the margin.
+/// planes. If a lower bound of it is at least the margin, returns this bound.
 double NearGapFinder::separate(PiecePair& pair, double margin, const Poses& poses) {
   const PlacedPiece &a = pieces_[pair.a], &b = pieces_[pair.b];
   const double apart = (poses[a.brick].apply(a.centre) - poses[b.brick].apply(b.centre)).norm() -
