@@ -74,15 +74,21 @@ model::Model fieldModel(const TurningField& field, const FamilyValues& values) {
   return model;
 }
 
-model::Model tessellationModel(const FamilyValues& values) {
+/// Squares.
+TessellationShape squareShape(const FamilyValues& values) {
   TessellationShape shape;
   shape.columns = values.whole("columns");
   shape.rows = values.whole("rows");
-  shape.length = values.number("length");
-  shape.width = values.number("width");
-  shape.skew = values.angle("skew");
+  shape.length = shape.width = values.number("length");
   shape.startAngle = values.angle("start-angle");
   shape.targetAngle = values.angle("target-angle");
+  return shape;
+}
+
+model::Model tessellationModel(const FamilyValues& values) {
+  TessellationShape shape = squareShape(values);
+  shape.width = values.number("width");
+  shape.skew = values.angle("skew");
   return makeTessellation(shape);
 }
 
@@ -313,16 +319,6 @@ FamilyParameter depth(double defaultValue, double least, double most) {
           false};
 }
 
-model::Model squares(const FamilyValues& values) {
-  TessellationShape shape;
-  shape.columns = values.whole("columns");
-  shape.rows = values.whole("rows");
-  shape.length = shape.width = values.number("length");
-  shape.startAngle = values.angle("start-angle");
-  shape.targetAngle = values.angle("target-angle");
-  return makeTessellation(shape);
-}
-
 void appendConcave(std::vector<Family>& all) {
   const auto tiles = [](const std::string& name, const std::string& help, double defaultValue) {
     return count(name, help, defaultValue, 2, 200);
@@ -336,14 +332,16 @@ void appendConcave(std::vector<Family>& all) {
   };
   Family stars{"stars", "four-pointed stars between octagons, which turn against each other",
                ofSquares, [](const FamilyValues& values) {
-                 return withBentSides(squares(values), evenTiles(latticeOf(values)),
+                 return withBentSides(makeTessellation(squareShape(values)),
+                                      evenTiles(latticeOf(values)),
                                       pointedSide(values.number("depth")));
                }};
   stars.parameters.push_back(depth(0.2, 0.01, 0.4));
   add(stars);
   Family crosses{"crosses", "crosses whose arms lie in bays of the tiles between them", ofSquares,
                  [](const FamilyValues& values) {
-                   return withBentSides(squares(values), evenTiles(latticeOf(values)),
+                   return withBentSides(makeTessellation(squareShape(values)),
+                                        evenTiles(latticeOf(values)),
                                         armedSide(values.number("width"), values.number("depth")));
                  }};
   crosses.parameters.push_back(

@@ -126,18 +126,6 @@ std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int
   return points;
 }
 
-/// Half the extent of a field's corners at an angle, along x and y, about the origin.
-Complex halfExtent(const TurningField& field, double angle) {
-  double x = 0, y = 0;
-  for (const model::Tile& tile : field.tiles(angle)) {
-    for (const Vector3& vertex : tile.vertices) {
-      x = std::max(x, std::abs(vertex.x()));
-      y = std::max(y, std::abs(vertex.y()));
-    }
-  }
-  return {x, y};
-}
-
 /// Round sheets with voids of any ratio: the exact conditions of two designs.
 class RoundDesign {
  public:
@@ -223,14 +211,14 @@ std::vector<TileBlock> allSideBlocks(const Lattice& lattice) {
 
 TurningField fanField(const FanShape& shape) {
   const TurningField regular = unitField(shape.lattice);
-  const Complex half = halfExtent(regular, pi);
+  const Vector3 half = halfExtent(regular.tiles(pi));
   std::vector<DesiredPoint> desired;
   for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
     for (int k = 0; k < 4; ++k) {
       const Cell cell = shape.lattice.cellOf(tile);
       const Complex position = regular.corner(cell, k, pi);
-      const double x = position.real() / half.real();
-      const double y = position.imag() / half.imag();
+      const double x = position.real() / half.x();
+      const double y = position.imag() / half.y();
       // Only corners on the outline of the open sheet have desired positions. The inside follows
       // from the exact equations.
       if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
@@ -290,8 +278,8 @@ TurningField squareToCircleField(int size) {
   const LatticeUnknowns& unknowns = design.unknowns();
   const TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
-  const Complex half = halfExtent(regular, pi / 2);
-  const double radius = 1.15 * half.real();
+  const Vector3 half = halfExtent(regular.tiles(pi / 2));
+  const double radius = 1.15 * half.x();
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
     const TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
@@ -311,7 +299,7 @@ TurningField squareToCircleField(int size) {
     }
     // Tips are distributed around the circle by the map from square to disk.
     for (const LatticeCorner& tip : design.tipCorners()) {
-      const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
+      const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.x();
       const double u = box.real(), v = box.imag();
       // The square [-1, 1]^2 is mapped to the unit disk by (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)).
       const Complex onDisk =
@@ -399,6 +387,15 @@ std::vector<LatticeCorner> closedBoundary(const Lattice& lattice) {
   for (int i = right; i >= 0; --i) nodes.push_back({{i, top}, 2});
   for (int j = top; j >= 0; --j) nodes.push_back({{0, j}, 3});
   return nodes;
+}
+
+// For an asymmetric sheet the larger side counts.
+Vector3 halfExtent(const std::vector<model::Tile>& tiles) {
+  Vector3 half = Vector3::Zero();
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) half = half.cwiseMax(vertex.cwiseAbs());
+  }
+  return half;
 }
 
 // In the order of closedBoundary().

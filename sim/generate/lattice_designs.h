@@ -53,6 +53,9 @@ std::vector<LatticeCorner> closedBoundary(const Lattice& lattice);
 /// The corners without a joint, anticlockwise from the bottom left: the tips of the open sheet.
 std::vector<LatticeCorner> tips(const Lattice& lattice);
 
+/// Half the extent of tiles about the origin, along each axis.
+Vector3 halfExtent(const std::vector<model::Tile>& tiles);
+
 /// A 2 x 2 block of positions: the void between four tiles, or half of a void at the sheet's side.
 struct TileBlock {
   Cell lowerLeft;  ///< of the four positions

@@ -500,15 +500,6 @@ std::vector<model::Tile> unitTiles(const Lattice& lattice, double angle) {
   return regularField(lattice, 1, Complex(0, 1)).tiles(angle);
 }
 
-// Relative to the origin: for an asymmetric sheet the larger side counts.
-Vector3 halfExtent(const std::vector<model::Tile>& tiles) {
-  Vector3 half = Vector3::Zero();
-  for (const model::Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) half = half.cwiseMax(vertex.cwiseAbs());
-  }
-  return half;
-}
-
 double meanEdge(const std::vector<model::Tile>& tiles) {
   model::Model model;
   model.tiles = tiles;

@@ -137,16 +137,13 @@ void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::V
 // ------------------------------------------------------------------------------------------------
 // Common parts of the designs of shells.
 
-/// The fit of a design. Throws InputError with the name of the family if its exact equations cannot be
-/// fulfilled.
+/// The fit of a design. Throws InputError with the name of the family if its exact equations cannot
+/// be fulfilled.
 Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings);
 
 /// Unit squares at an opening angle, about the origin.
 std::vector<model::Tile> unitTiles(const Lattice& lattice, double angle);
-
-/// Half the extent of tiles about the origin, along each axis.
-Vector3 halfExtent(const std::vector<model::Tile>& tiles);
 
 /// The tiles with every vertex moved.
 template <typename Map>
