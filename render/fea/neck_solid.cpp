@@ -93,13 +93,13 @@ std::vector<std::array<int, 3>> trianglesOfLoop(std::vector<int> loop,
   return triangles;
 }
 
-/// A side of the sheet: line `line` of a region.
+/// A line of a region.
 struct OutlineSide {
-  int region = 0;
-  int line = 0;
+  int region = 0;  ///< zero-based
+  int line = 0;    ///< from point `line` of the region's loop to the next
 };
 
-/// For each line, from one point to the next, its region and position.
+/// The region and the position of each line. The keys are its two points, in the region's order.
 std::map<std::pair<int, int>, OutlineSide> linesOf(const std::vector<std::vector<int>>& regions) {
   std::map<std::pair<int, int>, OutlineSide> lines;
   for (int r = 0; r < static_cast<int>(regions.size()); ++r) {
@@ -122,7 +122,7 @@ std::vector<std::vector<int>> boundaryLoops(const std::vector<std::vector<int>>&
     for (std::pair<int, int> line = first; !isDone[line];) {
       isDone[line] = true;
       loop.push_back(line.first);
-      // On along the region; across lines that another region shares.
+      // The next line of the region. If another region shares it, the line after its twin.
       const auto after = [&](const OutlineSide& side) {
         const std::vector<int>& own = regions[side.region];
         const std::size_t next = (side.line + 1) % own.size();
@@ -170,7 +170,7 @@ class StepGeometry {
 
  private:
   std::string text_;
-  std::string extrusions_;  ///< they number faces and lines on
+  std::string extrusions_;  ///< at the end, because they make lines and faces with new numbers
   int point_ = 0;
   int line_ = 0;
   int face_ = 0;

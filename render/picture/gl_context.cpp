@@ -1,11 +1,10 @@
-// Two libraries can make a context without a window system, and each is in one source file of its
-// own: OSMesa (osmesa_backend.cpp) and EGL (egl_backend.cpp). Both give OpenGL 3.3 core; on a
-// machine without a graphics card both draw by Mesa's llvmpipe on the processor: pictures are the
-// same.
+// Two libraries can make a context without a window system: OSMesa (osmesa_backend.cpp) and EGL
+// (egl_backend.cpp). Both provide OpenGL 3.3 core. Without a graphics card both draw with Mesa's
+// llvmpipe on the processor, and the pictures are the same.
 //
-// OpenGL functions have no fixed address: each library hands out its own. They are loaded once for
-// the process into the pointers of opengl.h. That is why one process uses one library: pointers of
-// one must not meet contexts of the other.
+// Each library has its own addresses of the OpenGL functions. The first context loads them into the
+// pointers of opengl.h. They are invalid in contexts of the other library, so a process uses only
+// one library.
 #include "render/picture/gl_context.h"
 
 #include <algorithm>
@@ -27,7 +26,7 @@ struct KnownLibrary {
   std::unique_ptr<Backend> (*makeBackend)();
 };
 
-/// In order of preference; which of them there are is chosen when the program is configured.
+/// The libraries that CMake found, the preferred one first.
 const std::vector<KnownLibrary>& libraries() {
   // At least one of the two is built; CMake ends with an error otherwise.
   static const std::vector<KnownLibrary> known = {
@@ -43,15 +42,14 @@ const std::vector<KnownLibrary>& libraries() {
 
 GraphicsLibrary chosenLibrary = libraries().front().library;
 
-/// Null if the program was built without it.
+/// Null if the program was built without this library.
 const KnownLibrary* find(GraphicsLibrary library) {
   const auto found = std::find_if(libraries().begin(), libraries().end(),
                                   [&](const KnownLibrary& k) { return k.library == library; });
   return found == libraries().end() ? nullptr : &*found;
 }
 
-/// Once for all contexts, which come from one library. A function that the library lacks stays
-/// null; OpenGL 3.3 has all that are named.
+/// Loads the functions of OpenGL 3.3 at the first call. All contexts share them.
 void loadFunctions(const Backend& backend) {
   static std::once_flag loaded;
   std::call_once(loaded, [&backend] {
@@ -74,12 +72,12 @@ void setGraphicsLibrary(GraphicsLibrary library) {
 }
 
 void setRasterThreads(int count) {
-  // llvmpipe reads it when it makes its screen; 0 as the last argument keeps what the user has set.
+  // llvmpipe reads the variable with its first context. A value of the user is kept.
   ::setenv("LP_NUM_THREADS", fmt::format("{}", count).c_str(), /*overwrite=*/0);
 }
 
 Context::Context() {
-  // Never null: only libraries that were built can be chosen.
+  // Never null, see setGraphicsLibrary().
   const KnownLibrary& library = *find(chosenLibrary);
   backend_ = library.makeBackend();
   if (backend_ == nullptr) {
@@ -210,7 +208,7 @@ class Shader {
   GLuint handle_;
 };
 
-/// Deletes a program that failed, for the constructor's caller gets no object to do so.
+/// Deletes a program that cannot be linked: its constructor throws, so no destructor does.
 void requireLinked(GLuint program) {
   GLint linked = GL_FALSE;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);

@@ -1511,7 +1511,6 @@ std::vector<std::vector<model::Corner>> groupsAt(const std::vector<model::Corner
 
 }  // namespace
 
-// Joints are ordered by vertex number, with fixed joints last.
 std::vector<model::Joint> jointsOfCreases(const CornerNumbers& faces,
                                           const std::vector<model::Crease>& creases,
                                           const std::vector<model::Tile>& tiles) {

@@ -432,8 +432,6 @@ void writeObjPair(const model::Model& inOrder, const fs::path& file) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 const std::string kPlyPurpose = "give a PLY mesh with one face per tile";
 
 /// A number's type: its width in bytes and their interpretation.

@@ -57,9 +57,6 @@ model::Model readPly(const std::filesystem::path& file, std::vector<std::string>
                      const ReadSettings& settings = {});
 
 // ------------------------------------------------------------------------------------------------
-// Planar sheets: vertices and joints in text files, and cut patterns.
-
-// ------------------------------------------------------------------------------------------------
 // The files of a planar model lie in one folder, and their names show which belong together.
 //
 // NAME_vertices.txt holds the tiles. Text files in the same folder whose name begins with NAME have

@@ -202,8 +202,6 @@ PlanarPlace planarPlace(const fs::path& named, const fs::path& jointsFile) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 const std::string kPlanarTilePurpose = "write one tile per line, \"x y\" for each vertex";
 const std::string kPlanarJointPurpose =
     "write one joint per line, \"tile vertex tile vertex\", from 1";

@@ -202,8 +202,6 @@ void writeModel(const model::Model& inMetres, const fs::path& path) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 const std::string kTilePurpose = "write one tile per line, \"x y z\" for each vertex";
 const std::string kJointPurpose =
     "write one joint per line, \"tileA vertexA tileB vertexB face\", or the line \"# no joints\" "

@@ -1,6 +1,6 @@
-// The frame of a flat sheet. The area vectors of the tiles are flipped to the side of the first and
-// added. The sum is normal to the plane. Its error is the error of the vertices divided by the size
-// of the sheet. The signs of the areas along this normal then choose the upper side.
+// The normal of a flat sheet is the sum of the tiles' area vectors, each flipped to the side of the
+// first. Its error is the error of the vertices divided by the size of the sheet. The upper side is
+// the one from which most of the area is anticlockwise.
 
 #include "sim/model/sheet_frame.h"
 
@@ -22,8 +22,8 @@ constexpr double kEvenArea = 1e-9;
 
 // Differences from the rounding of doubles, as a fraction of the model's size.
 constexpr double kFlat = 1e-9;
-// Differences from the rounding of the numbers in a file, in digits. Largest of 1,700 random planes
-// of 17 sheets: 3.1, of a target that is twice as wide as its start.
+// Differences from the rounding of the numbers in a file, in digits. The largest in 1,700 random
+// planes of 17 sheets is 3.1, in a sheet with a target that is twice as wide as its start.
 constexpr double kFlatDigits = 5;
 
 /// Smaller relative differences of principal moments count as equal.
@@ -124,7 +124,7 @@ SheetFrame viewFrame(const Model& model) {
   double side = 0;
   for (const Tile& tile : model.tiles) side += tileArea(tile) * tileNormal(tile).dot(axis);
   if (side < 0) axis = -axis;
-  // A vertical axis keeps the coordinates as they are.
+  // The identity is the frame of a vertical axis.
   if (axis.head<2>().norm() <= kFlat) return {};
   return frameAlong(axis, middle);
 }

@@ -13,7 +13,6 @@
 
 namespace kirireel::scene {
 
-// Throws InputError for values other than integers >= 0 in the range of int.
 int readIndex(const TomlValue& value, const std::string& allowed) {
   const std::int64_t* number = value.whole();
   if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {

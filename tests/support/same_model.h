@@ -12,7 +12,7 @@
 
 namespace kirireel::test {
 
-/// A model without a target of another file. Warnings are dropped.
+/// Reads a model with its own target, if it has one. Drops warnings.
 inline model::Model read(const std::filesystem::path& path) {
   std::vector<std::string> warnings;
   return formats::readModel(path, std::nullopt, warnings);
