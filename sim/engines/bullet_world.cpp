@@ -301,104 +301,102 @@ class UntouchedWorld : public btMultiBodyDynamicsWorld {
   void performDiscreteCollisionDetection() override {}
 };
 
-}  // namespace
+class MultiBodyWorld : public BrickWorld {
+ public:
+  MultiBodyWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
+                 std::span<const brick::Pivot> pivots, const scene::Environment& environment,
+                 int iterations) {
+    world_.setGravity(toBullet(environment.gravity));
+    world_.getSolverInfo().m_numIterations = iterations;
+    for (const brick::Brick& brick : bricks) addBrick(brick, environment);
+    MultiBodyWorld::writeMotion({start, std::vector<Velocity>(bricks.size())});
+    for (const brick::Pivot& pivot : pivots) addPivot(pivot);
+  }
+  ~MultiBodyWorld() override {
+    // A world does not remove multibodies and their joints itself.
+    for (const auto& joint : joints_) world_.removeMultiBodyConstraint(joint.get());
+    for (const auto& body : bodies_) world_.removeMultiBody(body.get());
+  }
+  MultiBodyWorld(const MultiBodyWorld&) = delete;
+  MultiBodyWorld& operator=(const MultiBodyWorld&) = delete;
 
-// The world is the last member, because it must be destroyed first.
-struct MultiBodyWorld::Internals {
-  std::vector<PrincipalAxes> axes;
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadphase;
-  btMultiBodyConstraintSolver solver;
-  btSphereShape shape{1e-3};
-  std::vector<std::unique_ptr<btMultiBody>> bodies;  // one per brick, in order
-  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
-  std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints;
-  std::optional<UntouchedWorld> world;
+  void applyLoad(int brick, const Vector3& force, const Vector3& torque) override {
+    bodies_[brick]->addBaseForce(toBullet(force));
+    bodies_[brick]->addBaseTorque(toBullet(torque));
+  }
 
-  void addBrick(const brick::Brick& brick, const scene::Environment& environment);
-  void addPivot(const brick::Pivot& pivot);
+  void advance(double step) override { world_.stepSimulation(step, 0); }
+
+  void readMotion(Motion& motion) const override {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const btMultiBody& body = *bodies_[k];
+      motion.poses[k].position = fromBullet(body.getBasePos());
+      motion.poses[k].rotation =
+          fromBullet(body.getWorldToBaseRot().inverse()) * axes_[k].rotation.conjugate();
+      motion.velocities[k] = {fromBullet(body.getBaseVel()), fromBullet(body.getBaseOmega())};
+    }
+  }
+
+  void writeMotion(const Motion& motion) override {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      btMultiBody& body = *bodies_[k];
+      body.setBasePos(toBullet(motion.poses[k].position));
+      body.setWorldToBaseRot(toBullet(motion.poses[k].rotation * axes_[k].rotation).inverse());
+      body.setBaseVel(toBullet(motion.velocities[k].linear));
+      body.setBaseOmega(toBullet(motion.velocities[k].angular));
+    }
+  }
+
+ private:
+  void addBrick(const brick::Brick& brick, const scene::Environment& environment) {
+    const PrincipalAxes& principal = axes_.emplace_back(principalAxes(brick));
+    btMultiBody& body = *bodies_.emplace_back(
+        // No links, the mass and principal inertia, no fixed base, no sleeping.
+        std::make_unique<btMultiBody>(0, brick.mass, toBullet(principal.inertia), false, false));
+    body.setLinearDamping(environment.linearDamping);
+    body.setAngularDamping(environment.angularDamping);
+    body.finalizeMultiDof();
+    world_.addMultiBody(&body);
+    btMultiBodyLinkCollider& collider =
+        *colliders_.emplace_back(std::make_unique<btMultiBodyLinkCollider>(&body, -1));
+    collider.setCollisionShape(&shape_);
+    collider.setActivationState(DISABLE_DEACTIVATION);
+    body.setBaseCollider(&collider);
+    // Group and mask 0: no collisions.
+    world_.addCollisionObject(&collider, 0, 0);
+  }
+
+  void addPivot(const brick::Pivot& pivot) {
+    const Vector3 pointA = axes_[pivot.brickA].rotation.conjugate() * pivot.pointA;
+    const Vector3 pointB = axes_[pivot.brickB].rotation.conjugate() * pivot.pointB;
+    btMultiBodyPoint2Point& joint = *joints_.emplace_back(std::make_unique<btMultiBodyPoint2Point>(
+        bodies_[pivot.brickA].get(), -1, bodies_[pivot.brickB].get(), -1, toBullet(pointA),
+        toBullet(pointB)));
+    joint.setMaxAppliedImpulse(kLargestImpulse);
+    world_.addMultiBodyConstraint(&joint);
+  }
+
+  std::vector<PrincipalAxes> axes_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btMultiBodyConstraintSolver solver_;
+  btSphereShape shape_{1e-3};
+  std::vector<std::unique_ptr<btMultiBody>> bodies_;  // one per brick, in order
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
+  std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints_;
+  UntouchedWorld world_{&dispatcher_, &broadphase_, &solver_,
+                        &configuration_};  // last: destroyed first
 };
 
-void MultiBodyWorld::Internals::addBrick(const brick::Brick& brick,
-                                         const scene::Environment& environment) {
-  const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
-  btMultiBody& body = *bodies.emplace_back(
-      // No links, the mass and principal inertia, no fixed base, no sleeping.
-      std::make_unique<btMultiBody>(0, brick.mass, toBullet(principal.inertia), false, false));
-  body.setLinearDamping(environment.linearDamping);
-  body.setAngularDamping(environment.angularDamping);
-  body.finalizeMultiDof();
-  world->addMultiBody(&body);
-  btMultiBodyLinkCollider& collider =
-      *colliders.emplace_back(std::make_unique<btMultiBodyLinkCollider>(&body, -1));
-  collider.setCollisionShape(&shape);
-  collider.setActivationState(DISABLE_DEACTIVATION);
-  body.setBaseCollider(&collider);
-  // Group and mask 0: no collisions.
-  world->addCollisionObject(&collider, 0, 0);
-}
+}  // namespace
 
-void MultiBodyWorld::Internals::addPivot(const brick::Pivot& pivot) {
-  const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
-  const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
-  btMultiBodyPoint2Point& joint = *joints.emplace_back(std::make_unique<btMultiBodyPoint2Point>(
-      bodies[pivot.brickA].get(), -1, bodies[pivot.brickB].get(), -1, toBullet(pointA),
-      toBullet(pointB)));
-  joint.setMaxAppliedImpulse(kLargestImpulse);
-  world->addMultiBodyConstraint(&joint);
-}
-
-MultiBodyWorld::MultiBodyWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
-                               std::span<const brick::Pivot> pivots,
-                               const scene::Environment& environment, int iterations)
-    : internals_(std::make_unique<Internals>()) {
-  Internals& in = *internals_;
-  in.world.emplace(&in.dispatcher, &in.broadphase, &in.solver, &in.configuration);
-  in.world->setGravity(toBullet(environment.gravity));
-  in.world->getSolverInfo().m_numIterations = iterations;
-  for (const brick::Brick& brick : bricks) in.addBrick(brick, environment);
-  writeMotion({start, std::vector<Velocity>(bricks.size())});
-  for (const brick::Pivot& pivot : pivots) in.addPivot(pivot);
-}
-
-MultiBodyWorld::~MultiBodyWorld() {
-  // A world does not remove multibodies and their joints itself.
-  for (const auto& joint : internals_->joints) {
-    internals_->world->removeMultiBodyConstraint(joint.get());
-  }
-  for (const auto& body : internals_->bodies) internals_->world->removeMultiBody(body.get());
-}
-
-void MultiBodyWorld::applyLoad(int brick, const Vector3& force, const Vector3& torque) {
-  internals_->bodies[brick]->addBaseForce(toBullet(force));
-  internals_->bodies[brick]->addBaseTorque(toBullet(torque));
-}
-
-void MultiBodyWorld::advance(double step) {
-  internals_->world->stepSimulation(step, 0);
-}
-
-void MultiBodyWorld::readMotion(Motion& motion) const {
-  const Internals& in = *internals_;
-  for (std::size_t k = 0; k < in.bodies.size(); ++k) {
-    const btMultiBody& body = *in.bodies[k];
-    motion.poses[k].position = fromBullet(body.getBasePos());
-    motion.poses[k].rotation =
-        fromBullet(body.getWorldToBaseRot().inverse()) * in.axes[k].rotation.conjugate();
-    motion.velocities[k] = {fromBullet(body.getBaseVel()), fromBullet(body.getBaseOmega())};
-  }
-}
-
-void MultiBodyWorld::writeMotion(const Motion& motion) {
-  const Internals& in = *internals_;
-  for (std::size_t k = 0; k < in.bodies.size(); ++k) {
-    btMultiBody& body = *in.bodies[k];
-    body.setBasePos(toBullet(motion.poses[k].position));
-    body.setWorldToBaseRot(toBullet(motion.poses[k].rotation * in.axes[k].rotation).inverse());
-    body.setBaseVel(toBullet(motion.velocities[k].linear));
-    body.setBaseOmega(toBullet(motion.velocities[k].angular));
-  }
+std::unique_ptr<BrickWorld> makeMultiBodyWorld(const std::vector<brick::Brick>& bricks,
+                                               const Poses& start,
+                                               std::span<const brick::Pivot> pivots,
+                                               const scene::Environment& environment,
+                                               int iterations) {
+  return std::make_unique<MultiBodyWorld>(bricks, start, pivots, environment, iterations);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -59,29 +59,14 @@ class BulletWorld : public BrickWorld {
 /// The version of Bullet in use, e.g. "3.24".
 std::string bulletVersion();
 
-// ------------------------------------------------------------------------------------------------
-// Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. No Bullet header
-// is needed to use it.
-
-/// A btMultiBodyDynamicsWorld in double precision. Each brick is a multibody without links, each
-/// pivot a point joint. There are no collisions.
-class MultiBodyWorld : public BrickWorld {
- public:
-  /// `iterations` of the solver in each step; the environment gives gravity and damping.
-  MultiBodyWorld(const std::vector<brick::Brick>& bricks, const Poses& start,
-                 std::span<const brick::Pivot> pivots, const scene::Environment& environment,
-                 int iterations);
-  ~MultiBodyWorld() override;
-
-  void applyLoad(int brick, const Vector3& force, const Vector3& torque) override;
-  void advance(double step) override;
-  void readMotion(Motion& motion) const override;
-  void writeMotion(const Motion& motion) override;
-
- private:
-  struct Internals;
-  std::unique_ptr<Internals> internals_;
-};
+/// Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. Each brick is a
+/// multibody without links, each pivot a point joint. `iterations` of the solver in each step; the
+/// environment gives gravity and damping.
+std::unique_ptr<BrickWorld> makeMultiBodyWorld(const std::vector<brick::Brick>& bricks,
+                                               const Poses& start,
+                                               std::span<const brick::Pivot> pivots,
+                                               const scene::Environment& environment,
+                                               int iterations);
 
 // ------------------------------------------------------------------------------------------------
 // Shrunk bricks for collision detection. Their contact margin restores the size.

@@ -33,16 +33,14 @@ scene::Scene sheetScene(int side, bool planar, model::JointFace face, double sta
   return scene;
 }
 
-// The rotation of tile 1 relative to tile 0, radians, [0, pi]. It is one angle in space too,
-// because the closed motion rotates tiles only about the vertical.
+// One angle in space too, because the closed motion rotates tiles only about the vertical.
 double openingAngle(const Poses& poses) {
   const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
   // The angle of a unit quaternion, [0, pi]. It is precise for small angles; an arc cosine is not.
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
-// All three motions must have states at the same times. Each vertex is extrapolated separately: its
-// path depends smoothly on the step.
+// Each vertex is extrapolated separately: its path depends smoothly on the step.
 SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const SheetPath& fine) {
   SheetPath limit = fine;
   for (std::size_t k = 0; k < limit.size(); ++k) {
@@ -56,8 +54,7 @@ SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const S
   return limit;
 }
 
-// The largest error of any vertex at any time, metres. `desired` must have at least as many states
-// as `found`, which may have ended early.
+// `desired` has at least as many states as `found`, which may have ended early.
 double pathError(const SheetPath& found, const SheetPath& desired) {
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -66,7 +63,6 @@ double pathError(const SheetPath& found, const SheetPath& desired) {
   return largest;
 }
 
-// The exact sheet is moved by a rigid motion, which removes the position and rotation of the sheet.
 trajectory::VertexDistance sheetError(int side, double angle,
                                       const std::vector<model::Tile>& found) {
   generate::TessellationShape shape;

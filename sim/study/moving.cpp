@@ -63,9 +63,9 @@ SheetPath limitOfFixedSteps(int side) {
 /// Computed once for all methods.
 const SheetPath& movingReference(int side) {
   static std::map<int, SheetPath> made;
-  const auto found = made.find(side);
-  return found != made.end() ? found->second
-                             : made.emplace(side, limitOfFixedSteps(side)).first->second;
+  const auto [found, isNew] = made.try_emplace(side);
+  if (isNew) found->second = limitOfFixedSteps(side);
+  return found->second;
 }
 
 // One row of the table.

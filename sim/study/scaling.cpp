@@ -13,7 +13,6 @@
 
 namespace kirireel::study {
 
-// NaN if all points have the same x, or if a number is not > 0.
 double fittedExponent(const std::vector<PowerPoint>& points) {
   const double count = static_cast<double>(points.size());
   double meanX = 0;

@@ -96,13 +96,9 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
 // Only panels of thickness have contacts. They are counted separately, because contacts change the
 // gaps.
 double largestGap(const Table& table, const std::string& engine, bool contacts) {
-  double largest = std::nan("");
-  for (const Row& row : table.rows) {
-    if (table.text(row, "engine") != engine) continue;
-    if ((table.text(row, "parameter") == "thickness") != contacts) continue;
-    largest = std::fmax(largest, table.number(row, "gap_m"));
-  }
-  return largest;
+  return table.largest("gap_m", engine, [&](const Row& row) {
+    return (table.text(row, "parameter") == "thickness") == contacts;
+  });
 }
 
 std::vector<Finding> sensitivityFindings(const Table& table) {

@@ -74,14 +74,10 @@ std::vector<StudyCase> squareToDiskCases(Extent extent) {
 /// The largest value of a column in an engine's rows, near the closed states or elsewhere.
 double largest(const Table& table, const std::string& engine, const std::string& column,
                bool singular) {
-  double found = std::nan("");
-  for (const Row& row : table.rows) {
+  return table.largest(column, engine, [&](const Row& row) {
     const double angle = table.number(row, "angle_deg");
-    const bool near = angle < kSingular || angle > 180 - kSingular;
-    if (table.text(row, "engine") != engine || near != singular) continue;
-    found = std::fmax(found, table.number(row, column));
-  }
-  return found;
+    return (angle < kSingular || angle > 180 - kSingular) == singular;
+  });
 }
 
 // Errors near the closed states are listed separately.

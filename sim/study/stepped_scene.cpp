@@ -73,7 +73,6 @@ SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<brick::Brick> 
   motion_.velocities = run::perturbation(bricks_, motion_.poses, size_, scene_.solver.seed);
 }
 
-// One step of the scene's length. Only the solver's time counts, not that of the measurements.
 void SteppedScene::advance() {
   const double before = threadCpuSeconds();
   const double step = scene_.solver.timestep;
@@ -89,7 +88,7 @@ bool SteppedScene::isFinite() const {
                      [&](const Pose& pose) { return pose.position.norm() < bound; });
 }
 
-// Kinetic, spring and potential energy, joules. Contacts and closed joints store none.
+// Contacts and closed joints store none.
 double SteppedScene::energy() const {
   double energy = trajectory::kineticEnergy(bricks_, motion_);
   if (springs_) energy += springs_->energy(motion_.poses, 1);
@@ -139,9 +138,8 @@ std::unique_ptr<engines::BrickWorld> makeMultiBodyWorld(const Method& method,
                                                         const scene::Scene& scene,
                                                         const std::vector<brick::Brick>& bricks,
                                                         const Poses& start) {
-  return std::make_unique<engines::MultiBodyWorld>(bricks, start,
-                                                   brick::makePivots(scene.model.joints, bricks),
-                                                   scene.environment, method.iterations);
+  return engines::makeMultiBodyWorld(bricks, start, brick::makePivots(scene.model.joints, bricks),
+                                     scene.environment, method.iterations);
 }
 
 }  // namespace

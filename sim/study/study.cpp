@@ -15,51 +15,29 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel::study {
 namespace {
 
-/// The caption's parts with their names in files.
-template <typename CaptionType>
-auto captionParts(CaptionType& caption) {
-  struct Part {
-    const char* name;
-    decltype(&caption.study) value;
-  };
-  return std::vector<Part>{{"study", &caption.study},
-                           {"extent", &caption.extent},
-                           {"command", &caption.command},
-                           {"machine", &caption.machine},
-                           {"versions", &caption.versions}};
-}
-
 // Cells hold no commas, see cell().
 Row splitCells(const std::string& line) {
-  Row cells(1);
-  for (const char letter : line) {
-    if (letter == ',') {
-      cells.emplace_back();
-    } else {
-      cells.back() += letter;
-    }
-  }
-  return cells;
+  const std::vector<std::string_view> cells = scene::split(line, ',');
+  return {cells.begin(), cells.end()};
 }
 
 // Lines that begin with '#' but name no part of the caption are skipped.
 void readCaptionLine(const std::string& line, Caption& caption) {
-  for (const auto& [name, value] : captionParts(caption)) {
-    const std::string start = fmt::format("# {}: ", name);
-    if (line.starts_with(start)) *value = line.substr(start.size());
-  }
+  forEachField(caption, [&line](const auto& field, std::string& value) {
+    const std::string start = fmt::format("# {}: ", field.name);
+    if (line.starts_with(start)) value = line.substr(start.size());
+  });
 }
 
 }  // namespace
 
-// Throws InputError if the column is absent, as in a file of an earlier version.
 std::size_t Table::columnIndex(const std::string& name) const {
-  const auto found = std::find_if(columns.begin(), columns.end(),
-                                  [&](const Column& column) { return column.name == name; });
+  const auto found = std::ranges::find(columns, name, &Column::name);
   if (found == columns.end()) {
     throw InputError(
         fmt::format("error: the table of {} has no column {}; make it again with "
@@ -73,7 +51,7 @@ const std::string& Table::text(const Row& row, const std::string& column) const 
   return row[columnIndex(column)];
 }
 
-// NaN for empty cells and for text. strtod reads a point as the decimal sign as long as the program
+// strtod reads a point as the decimal sign as long as the program
 // sets no other locale.
 double Table::number(const Row& row, const std::string& column) const {
   const std::string& digits = text(row, column);
@@ -83,7 +61,17 @@ double Table::number(const Row& row, const std::string& column) const {
   return whole ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Five significant digits, which is the accuracy of times and errors; empty if not finite.
+double Table::largest(const std::string& column, const std::string& engine,
+                      const std::function<bool(const Row&)>& holds) const {
+  double largest = std::numeric_limits<double>::quiet_NaN();
+  for (const Row& row : rows) {
+    if (text(row, "engine") != engine || !holds(row)) continue;
+    largest = std::fmax(largest, number(row, column));
+  }
+  return largest;
+}
+
+// Five significant digits, which is the accuracy of times and errors.
 std::string cell(double number) {
   return std::isfinite(number) ? fmt::format("{:.5g}", number) : "";
 }
@@ -96,19 +84,17 @@ std::string cell(bool flag) {
   return flag ? "yes" : "no";
 }
 
-// Commas and line ends would break the table: they are replaced.
 std::string cell(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
 
-// The inverse of readCsv(), except for the columns' meanings, which the CSV does not contain.
 std::string csvText(const Table& table) {
   std::string text;
-  for (const auto& [name, value] : captionParts(table.caption)) {
-    text += fmt::format("# {}: {}\n", name, *value);
-  }
+  forEachField(table.caption, [&text](const auto& field, const std::string& value) {
+    text += fmt::format("# {}: {}\n", field.name, value);
+  });
   Row names;
   for (const Column& column : table.columns) names.push_back(column.name);
   text += fmt::format("{}\n", fmt::join(names, ","));
@@ -116,8 +102,6 @@ std::string csvText(const Table& table) {
   return text;
 }
 
-// Throws InputError if the file cannot be read or a row has another number of cells than the table
-// has columns.
 Table readCsv(const std::filesystem::path& file) {
   std::ifstream stream = openInputFile(file);
   if (!stream) {
@@ -202,7 +186,6 @@ std::vector<Row> rowsOf(const StudyCase& studyCase) {
 
 }  // namespace
 
-// Properties that affect times: processor, available cores, system and architecture.
 std::string machineText() {
   utsname system{};
   uname(&system);
@@ -210,7 +193,6 @@ std::string machineText() {
                      system.sysname, system.machine);
 }
 
-// The file is written after each case: an interruption loses no finished case.
 Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer) {
   makeFolder(settings.folder);
   Table table;
@@ -236,7 +218,7 @@ Table runStudy(const Study& study, const StudySettings& settings, const StudyObs
   return table;
 }
 
-// The table with its findings, one space of indentation. Cells stay text, as they are in the CSV.
+// Cells stay text, as they are in the CSV.
 std::string studyJson(const Study& study, const Table& table) {
   const Caption& caption = table.caption;
   Json json;
@@ -262,9 +244,8 @@ std::string studyJson(const Study& study, const Table& table) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The list of all studies, and the search for one by its name.
+// The list of all studies.
 
-// In the order of "all". Created at the first call.
 const std::vector<Study>& studies() {
   static const std::vector<Study> all{workPrecisionStudy(), movingStudy(),       scalingStudy(),
                                       tessellationStudy(),  squareToDiskStudy(), sensitivityStudy(),
@@ -272,7 +253,6 @@ const std::vector<Study>& studies() {
   return all;
 }
 
-// Throws InputError for an unknown name, with the nearest one as a suggestion.
 const Study& studyNamed(const std::string& name) {
   std::vector<std::string> names;
   for (const Study& study : studies()) {

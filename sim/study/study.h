@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/fields.h"
+
 namespace kirireel::study {
 
 // ------------------------------------------------------------------------------------------------
@@ -29,6 +31,12 @@ struct Caption {
   std::string versions;  ///< of the program and of the engines compared
 
   bool operator==(const Caption&) const = default;
+  static constexpr auto fields() {
+    return describeFields<Caption>(
+        field("study", &Caption::study), field("extent", &Caption::extent),
+        field("command", &Caption::command), field("machine", &Caption::machine),
+        field("versions", &Caption::versions));
+  }
 };
 
 /// Rows under columns. The first column of every table is "case", the name of the row's case.
@@ -43,6 +51,9 @@ struct Table {
   const std::string& text(const Row& row, const std::string& column) const;
   /// The number in a cell; NaN if the cell is empty or holds text.
   double number(const Row& row, const std::string& column) const;
+  /// The largest number of a column in those rows of an engine; NaN if there is none.
+  double largest(const std::string& column, const std::string& engine,
+                 const std::function<bool(const Row&)>& holds) const;
 };
 
 /// A number with the digits of a table; empty if it is not finite.

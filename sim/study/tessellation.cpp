@@ -57,23 +57,9 @@ StudyCase tessellationCase(const SheetMethod& sheet, Extent extent) {
 
 /// The largest error of an engine's rows, up to kStartDegrees or beyond.
 double largestError(const Table& table, const std::string& engine, bool atStart) {
-  double largest = std::nan("");
-  for (const Row& row : table.rows) {
-    const bool starts = table.number(row, "angle_deg") < kStartDegrees;
-    if (table.text(row, "engine") != engine || starts != atStart) continue;
-    largest = std::fmax(largest, table.number(row, "max_error_m"));
-  }
-  return largest;
-}
-
-// The largest angle: an error counts only for the motion that was made.
-double largestAngle(const Table& table) {
-  double largest = std::nan("");
-  for (const Row& row : table.rows) {
-    if (table.text(row, "engine") != "direct") continue;
-    largest = std::fmax(largest, table.number(row, "angle_deg"));
-  }
-  return largest;
+  return table.largest("max_error_m", engine, [&](const Row& row) {
+    return (table.number(row, "angle_deg") < kStartDegrees) == atStart;
+  });
 }
 
 // The start is reported separately: near the closed state the motion is singular, and errors are
@@ -84,7 +70,8 @@ std::vector<Finding> tessellationFindings(const Table& table) {
        "largest vertex error of the direct solver up to 2.3 degrees, metres"},
       {"direct_error_open", largestError(table, "direct", false),
        "largest vertex error of the direct solver above 2.3 degrees, metres"},
-      {"direct_angle", largestAngle(table), "largest angle of the direct solver, degrees"},
+      {"direct_angle", table.largest("angle_deg", "direct", [](const Row&) { return true; }),
+       "largest angle of the direct solver, degrees"},
       {"bullet_error_start", largestError(table, "sequential impulse", true),
        "largest vertex error of Bullet up to 2.3 degrees, metres"},
       {"bullet_error_open", largestError(table, "sequential impulse", false),
