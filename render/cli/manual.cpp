@@ -232,6 +232,16 @@ std::vector<std::string> namesOf(const std::vector<CommandDescription>& commands
   return names;
 }
 
+/// The text with a backslash before each of these letters.
+std::string withBackslashes(const std::string& text, const std::string& letters) {
+  std::string result;
+  for (const char letter : text) {
+    if (letters.find(letter) != std::string::npos) result += '\\';
+    result += letter;
+  }
+  return result;
+}
+
 /// In single quotes for a shell.
 std::string shellQuoted(const std::string& text) {
   std::string result = "'";
@@ -320,12 +330,7 @@ complete -F _kirireel kirireel
 
 /// Text within the brackets of an _arguments specification, in which some letters are special.
 std::string zshText(const std::string& text) {
-  std::string result;
-  for (const char letter : text) {
-    if (letter == '[' || letter == ']' || letter == ':' || letter == '\\') result += '\\';
-    result += letter;
-  }
-  return result;
+  return withBackslashes(text, "[]:\\");
 }
 
 /// "*" lets an option repeat; "=" allows both --name=value and --name value.
@@ -388,12 +393,7 @@ std::string fishCondition(const CommandDescription& command, const std::string& 
 
 /// Only quotes and backslashes are special within single quotes.
 std::string fishText(const std::string& text) {
-  std::string result = "'";
-  for (const char letter : text) {
-    if (letter == '\'' || letter == '\\') result += '\\';
-    result += letter;
-  }
-  return result + "'";
+  return "'" + withBackslashes(text, "'\\") + "'";
 }
 
 /// -r: requires a value; -f: the value is not a file.
@@ -597,9 +597,6 @@ class Run(Trajectory):
     def summary(self) -> Dict[str, Any]: ...
     def save(self, folder: _Path) -> List[str]: ...
 
-def read(path: _Path, *, joints_file: Optional[_Path] = ..., frame: int = ..., fold: float = ...,
-         join_coplanar: bool = ..., strict: bool = ..., cut: str = ..., ignore: str = ...,
-         widest_neck: float = ..., joint_at: str = ...) -> Model: ...
 def open(path: _Path) -> Trajectory: ...
 )";
 
@@ -661,6 +658,10 @@ std::string pythonStub(const CommandDescription& program) {
       "NDArray[np.uint8]: ...\n{}",
       parameters(optionsWithout(commandNamed(program, "render"), optionsNotForPictures(program))),
       kStubRun);
+  // The options of reading are those of `convert`.
+  text +=
+      fmt::format("def read(\n    path: _Path,\n    *,\n{}) -> Model: ...\n",
+                  parameters(optionsWithout(commandNamed(program, "convert"), {"help", "target"})));
   for (const CommandDescription& family : commandNamed(program, "generate").commands) {
     text += familyStub(family);
   }

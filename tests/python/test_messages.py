@@ -75,6 +75,9 @@ class Options(unittest.TestCase):
         for name in ("thickness", "contacts", "spring_stiffness", "on_sample", "fps", "scene"):
             self.assertIn(name, typed)
         self.assertTrue(typed.isdisjoint({"out", "json", "help"}))
+        typed = {argument.arg for argument in functions["read"].args.kwonlyargs}
+        self.assertTrue(typed.issuperset({"unit", "strict", "joints_file", "widest_neck"}))
+        self.assertTrue(typed.isdisjoint({"target", "help"}))
 
     def test_public_names_have_docstrings(self):
         for kind in (kirireel.Model, kirireel.Sample, kirireel.Trajectory, kirireel.Run):
