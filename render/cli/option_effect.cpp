@@ -283,16 +283,17 @@ constexpr OptionEffect kSceneEffects[] = {
 const std::vector<OptionEffect>& optionEffects() {
   static const std::vector<OptionEffect> effects = [] {
     std::vector<OptionEffect> all;
-    for (const std::span<const OptionEffect> part :
-         {std::span<const OptionEffect>(kPictureEffects),
-          std::span<const OptionEffect>(kExportEffects),
-          std::span<const OptionEffect>(kCurvesEffects),
-          std::span<const OptionEffect>(kSceneEffects)}) {
-      for (const OptionEffect& row : part) {
+    const auto add = [&all](std::span<const OptionEffect> rows,
+                            bool (*isApplicable)(const OptionContext&)) {
+      for (const OptionEffect& row : rows) {
         for (const std::string_view option : scene::split(row.option, ','))
-          all.push_back({option, row.holds, row.reason, row.remedy});
+          all.push_back({option, row.holds, row.reason, row.remedy, isApplicable});
       }
-    }
+    };
+    add(kPictureEffects, [](const OptionContext& context) { return context.pictures != nullptr; });
+    add(kExportEffects, [](const OptionContext& context) { return context.exports != nullptr; });
+    add(kCurvesEffects, [](const OptionContext& context) { return context.curves != nullptr; });
+    add(kSceneEffects, [](const OptionContext& context) { return context.scene != nullptr; });
     return all;
   }();
   return effects;
@@ -320,18 +321,6 @@ std::vector<scene::Condition> conditionsOf(const std::string& option) {
 bool isGiven(const CLI::App& command, const char* option) {
   const CLI::Option* found = command.get_option_no_throw(option);
   return found && found->count() > 0;
-}
-
-/// Whether the command has the settings that the condition reads.
-bool isApplicable(const OptionEffect& effect, const OptionContext& context) {
-  const auto isIn = [&effect](std::span<const OptionEffect> part) {
-    return std::ranges::any_of(
-        part, [&effect](const OptionEffect& row) { return row.holds == effect.holds; });
-  };
-  if (isIn(kExportEffects)) return context.exports != nullptr;
-  if (isIn(kCurvesEffects)) return context.curves != nullptr;
-  if (isIn(kSceneEffects)) return context.scene != nullptr;
-  return context.pictures != nullptr;
 }
 
 /// The options with this condition: one, or all of a group.
@@ -419,7 +408,7 @@ std::set<std::string> givenOptions(const CLI::App& command) {
 
 void requireEffect(const OptionContext& context, const std::set<std::string>& given) {
   for (const OptionEffect& effect : optionEffects()) {
-    if (!isApplicable(effect, context) || effect.holds(context)) continue;
+    if (!effect.isApplicable(context) || effect.holds(context)) continue;
     for (const CLI::Option* option : optionsOf(effect, *context.command)) {
       if (!given.contains(option->get_name())) continue;
       throw InputError(fmt::format("error: {0} has no effect {1}. {2} or remove {0}",

@@ -38,6 +38,8 @@ struct OptionEffect {
   bool (*holds)(const OptionContext&);  ///< whether it has an effect
   const char* reason;                   ///< why not, such as "without a video"
   const char* remedy;                   ///< advice, such as "Remove --no-video"
+  /// Whether the command has the settings that `holds` reads; set in optionEffects().
+  bool (*isApplicable)(const OptionContext&) = nullptr;
 };
 
 /// All of them. For one option, the first that does not hold is reported.

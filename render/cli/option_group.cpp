@@ -135,16 +135,6 @@ void OptionGroup::number(const std::string& name, std::optional<double>& target,
   stored(name, target, unit, defaultText, help, numberIn(range), scene::numberText);
 }
 
-void OptionGroup::printLength(const std::string& name, double& target, const std::string& unit,
-                              scene::Range range, const std::string& help) {
-  std::string capitals = unit;
-  std::ranges::transform(capitals, capitals.begin(), [](char letter) {
-    return static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  });
-  stored(name, target, capitals, fmt::format("{:.4g}", target), help, lengthIn(unit, range),
-         scene::numberText);
-}
-
 OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
                                          const std::string& help, bool given) {
   return flag(name, help, [&target, given] { target = given; }).serializedAs([&target, given] {

@@ -226,10 +226,6 @@ class OptionGroup {
   void number(const std::string& name, std::optional<double>& target, scene::Range range,
               const std::string& unit, const std::string& defaultText, const std::string& help);
 
-  /// A number for a length in print, with or without its unit ("mm" or "pt"): 180 or 180mm.
-  void printLength(const std::string& name, double& target, const std::string& unit,
-                   scene::Range range, const std::string& help);
-
   /// A whole number within a range; the variable's value is the default.
   template <typename Integer>
   void integer(const std::string& name, Integer& target, scene::Range range,

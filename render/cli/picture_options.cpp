@@ -32,14 +32,11 @@ std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value,
 
 namespace {
 
+/// All but the first, png.
 const scene::Choices<picture::PageFormat>& vectorFormats() {
-  static const scene::Choices<picture::PageFormat> choices = {{"svg", picture::PageFormat::Svg},
-                                                              {"pdf", picture::PageFormat::Pdf}};
+  static const scene::Choices<picture::PageFormat> choices(picture::kPageFormats.begin() + 1,
+                                                           picture::kPageFormats.end());
   return choices;
-}
-
-std::vector<picture::PageFormat> parseVectorPages(const scene::TypedValue& value) {
-  return parsePages(value, vectorFormats());
 }
 
 /// As in a scene file: "svg,pdf" in quotation marks.
@@ -125,9 +122,10 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Pictures", "recording");
   addGridOptions(group, settings);
   addPrintOptions(group, settings);
-  group.stored("--figure", settings.pages, "LIST", "none",
-               "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
-               parseVectorPages, pagesText);
+  group.stored(
+      "--figure", settings.pages, "LIST", "none",
+      "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
+      [](const scene::TypedValue& typed) { return parsePages(typed, vectorFormats()); }, pagesText);
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group.stored("--frames-at", settings.chosenFrames, "LIST", "none",
                "the same for some moments only: seconds, or fractions of the motion, such as "

@@ -17,6 +17,7 @@
 
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
+#include "render/report/inspection.h"
 #include "sim/base/words.h"
 #include "sim/run/assembled_state.h"
 #include "sim/run/dynamics.h"
@@ -172,10 +173,6 @@ std::string describeElasticity(const std::optional<brick::Elasticity>& found) {
 std::string describePath(const record::RunSummary& summary, bool hasTarget) {
   if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
   return fmt::format("path: {}\n", summary.pathReason);
-}
-
-std::string describeNeed(const char* name, const scene::Need& need) {
-  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
 /// Largest number of named pairs of bricks that block each other at the target.
@@ -367,8 +364,8 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
   std::string text = fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
                                  run::toString(summary.outcome), summary.endTime, summary.reason);
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
-                      scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
-                      describeNeed("contacts", summary.needs.contacts));
+                      scene.model.joints.size(), report::needText("planar", summary.needs.planar),
+                      report::needText("contacts", summary.needs.contacts));
   if (!settings.peerSpelling.empty()) {
     text += fmt::format("PyKirigami's constants for options that are not given, because of {}\n",
                         settings.peerSpelling);

@@ -27,6 +27,19 @@ std::filesystem::path folderOr(const std::filesystem::path& chosen,
   return trajectory.has_parent_path() ? trajectory.parent_path() : ".";
 }
 
+/// Adds a positional argument for one or more runs.
+void addRuns(CLI::App& command, const char* name, std::vector<std::filesystem::path>& runs,
+             const char* help) {
+  command.add_option(name, runs, help)->type_name("")->expected(1, -1);
+}
+
+/// Replaces the folders of runs by their trajectories. Throws InputError if there is no run.
+void completeRuns(const CLI::App& command, const char* name,
+                  std::vector<std::filesystem::path>& runs) {
+  requireGiven(runs.empty() ? "" : runs.front(), name, command);
+  std::ranges::transform(runs, runs.begin(), output::trajectoryOf);
+}
+
 }  // namespace
 
 // ------------------------------------------------------------------------------------------------
@@ -37,12 +50,9 @@ std::filesystem::path folderOr(const std::filesystem::path& chosen,
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
       "render", "make pictures and video of a recorded run again, without simulating");
-  command
-      ->add_option("TRAJECTORY", order.trajectories,
-                   "a trajectory.h5 of record or simulate, or its folder; several give one grid "
-                   "with a row of states each, and with --video a video with all side by side")
-      ->type_name("")
-      ->expected(1, -1);
+  addRuns(*command, "TRAJECTORY", order.trajectories,
+          "a trajectory.h5 of record or simulate, or its folder; several give one grid with a row "
+          "of states each, and with --video a video with all side by side");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "next to TRAJECTORY", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
@@ -63,8 +73,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
-  requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
-  std::ranges::transform(order.trajectories, order.trajectories.begin(), output::trajectoryOf);
+  completeRuns(command, "TRAJECTORY", order.trajectories);
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: a figure of several runs needs its own folder; choose it with --out");
@@ -343,11 +352,8 @@ void addPlotOptions(OptionGroup& group, record::CurvesSettings& settings) {
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   CLI::App* command = program.add_subcommand(
       "curves", "table and plot what a run measures over its time: sizes, areas, openings, ...");
-  command
-      ->add_option("RUN", order.runs,
-                   "a trajectory.h5, or the folder it is in; several share each diagram")
-      ->type_name("")
-      ->expected(1, -1);
+  addRuns(*command, "RUN", order.runs,
+          "a trajectory.h5, or the folder it is in; several share each diagram");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "next to RUN", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
@@ -355,14 +361,15 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   addPlotOptions(figures, order.settings);
   figures.value("--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
                 [&order](const scene::TypedValue& typed) {
-                  order.settings.plots = parsePages(typed, {{"png", picture::PageFormat::Png},
-                                                            {"svg", picture::PageFormat::Svg},
-                                                            {"pdf", picture::PageFormat::Pdf}});
+                  order.settings.plots = parsePages(
+                      typed, {picture::kPageFormats.begin(), picture::kPageFormats.end()});
                 });
   // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
-  figures.printLength("--width", plot.width, "mm", {30, 1000}, "width of the figure in print");
-  figures.printLength("--font-size", plot.fontPoints, "pt", {3, 50}, "size of its text in print");
+  figures.stored("--width", plot.width, "MM", scene::numberText(plot.width),
+                 "width of the figure in print", lengthIn("mm", {30, 1000}), scene::numberText);
+  figures.stored("--font-size", plot.fontPoints, "PT", scene::numberText(plot.fontPoints),
+                 "size of its text in print", lengthIn("pt", {3, 50}), scene::numberText);
   figures.number("--dpi", plot.dotsPerInch, {30, 2400}, "COUNT", "pixels per inch of a PNG");
   command->footer(
       "curves.csv has a row for each sample: width, height and depth of the sheet\n"
@@ -385,8 +392,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
-  requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
-  std::ranges::transform(order.runs, order.runs.begin(), output::trajectoryOf);
+  completeRuns(command, "RUN", order.runs);
   if (order.runs.size() > 1 && order.settings.folder.empty()) {
     throw InputError("error: curves of several runs need their own folder; choose it with --out");
   }
@@ -449,11 +455,8 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
 CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
   CLI::App* command = program.add_subcommand(
       "page", "write one HTML file that shows a run in 3-D, in any browser, without a network");
-  command
-      ->add_option("RUN", order.runs,
-                   "a trajectory.h5, or its folder; two runs are shown side by side")
-      ->type_name("")
-      ->expected(1, -1);
+  addRuns(*command, "RUN", order.runs,
+          "a trajectory.h5, or its folder; two runs are shown side by side");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of the first RUN", "folder for page.html",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
@@ -468,13 +471,12 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, PageOrder& order) {
-  requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
+  completeRuns(command, "RUN", order.runs);
   if (order.runs.size() > page::kMaxPageRuns) {
     throw InputError(
         fmt::format("error: {} runs are given, but a page shows at most {}; make several pages",
                     order.runs.size(), page::kMaxPageRuns));
   }
-  std::ranges::transform(order.runs, order.runs.begin(), output::trajectoryOf);
 }
 
 int carryOut(const PageOrder& order) {

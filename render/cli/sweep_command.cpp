@@ -258,7 +258,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   const std::uint64_t total = runs.sweep().plan.size();
   Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
-  // The parent hands out the numbers of runs here; its children do the work.
+  // The parent selects the next run; its children do the work.
   const sweep::WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
         if (next >= total) return std::nullopt;
@@ -307,10 +307,7 @@ sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
   // All files appear together, or none.
   output::FileSet files(folder, output::kContents);
-  const auto isRequested = [&names](const std::string& requested) {
-    return requested == output::kContents || std::ranges::find(names, requested) != names.end();
-  };
-  files.requireFree(isRequested);
+  files.requireFree(names);
   const std::string stem = (files.stage() / name).string();
   writeTextFile(stem + ".csv", sweep::csvText(gathered.results));
   sweep::writeTableArrays(gathered.results, stem + ".h5");
@@ -381,8 +378,6 @@ int carryOut(const SweepOrder& order) {
 // and hashed once (inputs_).
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t kNameDigits = 20;
 

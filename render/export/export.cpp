@@ -44,6 +44,7 @@
 #include "sim/formats/read_model.h"
 #include "sim/formats/text_table.h"
 #include "sim/trajectory/measures.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel::exports {
 namespace {
@@ -875,9 +876,7 @@ std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajec
   requireDifferent(settings.formats);
   output::FileSet files(folder, output::kContents);
   // Before writing anything: refuse names of files that Kirireel did not write.
-  files.requireFree([&](const std::string& name) {
-    return name == output::kContents || isExported(name, settings);
-  });
+  files.requireFree([&](const std::string& name) { return isExported(name, settings); });
   std::vector<std::string> names = exportInto(trajectory, settings, files.stage());
   files.commit(names);
   return names;
@@ -914,13 +913,6 @@ std::optional<double> numberBefore(const std::string& text, const std::string& e
   return isWhole ? std::optional(number) : std::nullopt;
 }
 
-/// The nearest sample; the earlier one of two equally near ones.
-std::size_t nearestSample(const std::vector<double>& times, double time) {
-  const auto nearest = std::ranges::min_element(
-      times, {}, [time](double sampled) { return std::abs(sampled - time); });
-  return static_cast<std::size_t>(nearest - times.begin());
-}
-
 /// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s. Sampling
 /// can end a fraction of an interval before the end time of the run.
 std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
@@ -929,16 +921,7 @@ std::size_t sampleAtTime(const std::vector<double>& times, double time, const st
   if (time < 0 || time > times.back() + slack) {
     throw unknownState(name, fmt::format("it goes from 0 to {:.6g} s", times.back()));
   }
-  return nearestSample(times, time);
-}
-
-/// The largest rotation angle of a brick between the two states, radians, [0, pi].
-double largestTurn(const Poses& start, const Poses& poses) {
-  double largest = 0;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    largest = std::max(largest, start[k].rotation.angularDistance(poses[k].rotation));
-  }
-  return largest;
+  return trajectory::nearestIndex(times, time);
 }
 
 /// Reads sample by sample until one has rotated far enough.
@@ -948,7 +931,8 @@ std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double
   const double requestedTurn = degrees * kDegree;
   double largest = 0;
   for (std::size_t k = 0; k < trajectory.times().size(); ++k) {
-    const double turn = largestTurn(start, trajectory.sample(k).poses);
+    const double turn =
+        std::ranges::max(trajectory::brickRotations(start, trajectory.sample(k).poses));
     if (turn >= requestedTurn) return k;
     largest = std::max(largest, turn);
   }
@@ -962,7 +946,7 @@ std::size_t sampleAtEvent(const trajectory::TrajectoryReader& trajectory, const 
   std::string known;
   for (const trajectory::Event& event : trajectory.end().events) {
     if (event.text.find(text) != std::string::npos) {
-      return nearestSample(trajectory.times(), event.time);
+      return trajectory::nearestIndex(trajectory.times(), event.time);
     }
     known += fmt::format("{}'{}'", known.empty() ? "" : ", ", event.text);
   }
@@ -1013,7 +997,7 @@ std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryRea
     case StateName::All:
       return {0, times.size() - 1};
     case StateName::Share:
-      return one(nearestSample(times, read.number / 100 * times.back()));
+      return one(trajectory::nearestIndex(times, read.number / 100 * times.back()));
     case StateName::Time:
       return one(sampleAtTime(times, read.number, name));
     case StateName::Angle:

@@ -123,7 +123,6 @@ bool isNumbered(const std::string& name, const std::function<std::string(int)>& 
 
 namespace {
 
-namespace fs = std::filesystem;
 /// The text of a record; "" if it cannot be read.
 std::string sealedText(const fs::path& record) {
   std::error_code ignored;
@@ -239,8 +238,6 @@ std::string difference(const fs::path& folder, const FileDigest& noted) {
 // record in any byte (output_folder.h), the run is refused before anything moves.
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Distinguishes our hidden folder from others with the same name.
 constexpr const char* kMark = "kirireel.txt";
@@ -396,7 +393,7 @@ void FileSet::requireFree(const std::function<bool(const std::string&)>& isReque
   const RecordedFiles left(folder_);
   std::vector<std::string> foreign;
   const auto check = [&](const std::string& name, bool isFolder) {
-    const bool isTaken = isRequested(name) && left.isForeign(name);
+    const bool isTaken = (name == record_ || isRequested(name)) && left.isForeign(name);
     if (isTaken || (isRequested(name + '/') && !isFolder)) foreign.push_back(name);
   };
   std::error_code ignored;
@@ -412,6 +409,11 @@ void FileSet::requireFree(const std::function<bool(const std::string&)>& isReque
   }
   std::sort(foreign.begin(), foreign.end());
   if (!foreign.empty()) refuse(folder_, foreign);
+}
+
+void FileSet::requireFree(const std::vector<std::string>& names) const {
+  requireFree(
+      [&names](const std::string& name) { return std::ranges::find(names, name) != names.end(); });
 }
 
 void FileSet::commit(const std::string& recordText) {

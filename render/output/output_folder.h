@@ -44,10 +44,8 @@ bool isSealed(const std::string& text);
 inline constexpr const char* kVideo = "deployment.mp4";
 /// The grid of pictures.
 inline constexpr const char* kSnapshots = "snapshots.png";
-/// The same as vector graphics.
-inline constexpr const char* kSnapshotsSvg = "snapshots.svg";
-/// The same for print.
-inline constexpr const char* kSnapshotsPdf = "snapshots.pdf";
+/// The same as vector graphics, .svg and .pdf.
+inline constexpr const char* kSnapshotPages = "snapshots";
 inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
 inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 /// The tiles at the end, in the format of vertices.txt.
@@ -166,9 +164,11 @@ class FileSet {
   /// Folder for new files until they are committed.
   const std::filesystem::path& stage() const { return stage_; }
 
-  /// Throws InputError with the names of requested files, in the folder or one level below, that
-  /// exist and are not in the state of an earlier run. A requested folder ends in '/'.
+  /// Throws InputError with the names of requested files and the record, in the folder or one level
+  /// below, that exist and are not in the state of an earlier run. A requested folder ends in '/'.
   void requireFree(const std::function<bool(const std::string& name)>& isRequested) const;
+  /// The same for files with these names.
+  void requireFree(const std::vector<std::string>& names) const;
 
   /// Removes the checkpoint of an earlier run.
   void dropCheckpoint() const;

@@ -89,7 +89,8 @@ std::string safeJson(const Json& json) {
 std::string factsHtml(const Facts& facts) {
   std::string html;
   for (const auto& [what, value] : facts) {
-    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", htmlText(what), htmlText(value));
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", picture::markupText(what),
+                        picture::markupText(value));
   }
   return html;
 }
@@ -97,7 +98,7 @@ std::string factsHtml(const Facts& facts) {
 std::string warningsHtml(const std::vector<std::string>& warnings) {
   std::string html;
   for (const std::string& warning : warnings) {
-    html += fmt::format("<p class=\"warning\">{}</p>\n", htmlText(warning));
+    html += fmt::format("<p class=\"warning\">{}</p>\n", picture::markupText(warning));
   }
   return html;
 }
@@ -108,7 +109,7 @@ std::string stageHtml(const trajectory::TrajectoryReader& run,
   const std::string still = stillPicture(run, appearance);
   const std::string picture = base64(std::as_bytes(std::span(still)));
   return filled(embeddedFile("stage.html"),
-                {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
+                {{"name", picture::markupText(run.subject().model.name)}, {"picture", picture}});
 }
 
 /// The media type of a file by its ending, for browsers. Files with other endings are saved and not
@@ -127,7 +128,7 @@ std::string mediaType(const std::filesystem::path& file) {
 /// 2397), a third larger than the file.
 std::string embeddedHtml(const std::filesystem::path& file) {
   const std::string bytes = readTextFile(file, "name files of the run with --embed", kMaxEmbedded);
-  const std::string type = mediaType(file), name = htmlText(file.filename().string());
+  const std::string type = mediaType(file), name = picture::markupText(file.filename().string());
   const std::string source =
       fmt::format("data:{};base64,{}", type, base64(std::as_bytes(std::span(bytes))));
   if (type.starts_with("video/")) {
@@ -145,10 +146,11 @@ std::string wordsHtml(const trajectory::TrajectoryReader& run, const std::filesy
                       const std::vector<std::string>& names) {
   std::string files;
   for (const std::string& name : names) files += embeddedHtml(folder / name);
-  return filled(embeddedFile("words.html"), {{"name", htmlText(run.subject().model.name)},
-                                             {"facts", factsHtml(factsOf(run))},
-                                             {"warnings", warningsHtml(warningsOf(run))},
-                                             {"files", files}});
+  return filled(embeddedFile("words.html"),
+                {{"name", picture::markupText(run.subject().model.name)},
+                 {"facts", factsHtml(factsOf(run))},
+                 {"warnings", warningsHtml(warningsOf(run))},
+                 {"files", files}});
 }
 
 /// `dataBytes`: the part of the page that grows with its `states`. The message suggests a number of
@@ -203,7 +205,7 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
   }
   const std::string text = safeJson(data);
   const std::string page =
-      filled(embeddedFile("page.html"), {{"title", htmlText(title)},
+      filled(embeddedFile("page.html"), {{"title", picture::markupText(title)},
                                          {"program", "Kirireel " + record::programVersion()},
                                          {"count", std::to_string(trajectories.size())},
                                          {"style", std::string(embeddedFile("page.css"))},
@@ -219,8 +221,7 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
                const WebPageSettings& settings) {
   requirePages();
   output::FileSet files(settings.folder, output::kContents);
-  files.requireFree(
-      [](const std::string& name) { return name == output::kContents || name == kPageFile; });
+  files.requireFree({kPageFile});
   writeTextFile(files.stage() / kPageFile, pageText(trajectories, settings));
   files.commit(std::vector<std::string>{kPageFile});
 }
@@ -622,29 +623,6 @@ Facts factsOf(const trajectory::TrajectoryReader& run) {
 std::vector<std::string> warningsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = findingsOf(run);
   return findings.value("warnings", std::vector<std::string>());
-}
-
-std::string htmlText(const std::string& text) {
-  std::string shown;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        shown += "&amp;";
-        break;
-      case '<':
-        shown += "&lt;";
-        break;
-      case '>':
-        shown += "&gt;";
-        break;
-      case '"':
-        shown += "&quot;";
-        break;
-      default:
-        shown += letter;
-    }
-  }
-  return shown;
 }
 
 // ------------------------------------------------------------------------------------------------

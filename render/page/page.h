@@ -1,4 +1,4 @@
-/// Pages to hand over: runs in 3-D as one HTML file.
+/// Pages to send: runs in 3-D as one HTML file.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,6 @@ Facts factsOf(const trajectory::TrajectoryReader& run);
 
 /// The warnings of a run, one line each.
 std::vector<std::string> warningsOf(const trajectory::TrajectoryReader& run);
-
-/// Text escaped for HTML, for elements and attributes.
-std::string htmlText(const std::string& text);
 
 // ------------------------------------------------------------------------------------------------
 // Arrays of numbers as text within a page.

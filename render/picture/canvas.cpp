@@ -48,22 +48,6 @@ std::string opacityText(Colour colour) {
   return opacityText(colour.alpha / 255.0);
 }
 
-/// A text between tags.
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char letter : text) {
-    if (letter == '&')
-      safe += "&amp;";
-    else if (letter == '<')
-      safe += "&lt;";
-    else if (letter == '>')
-      safe += "&gt;";
-    else
-      safe += letter;
-  }
-  return safe;
-}
-
 /// "M" for the first point, "L" for the others; not closed.
 std::string pathOf(const Canvas::Points& points) {
   std::string path;
@@ -116,7 +100,8 @@ class SvgCanvas : public Canvas {
         "viewBox=\"0 0 {} {}\">\n",
         lengthOf(settings.size.width, settings), lengthOf(settings.size.height, settings),
         settings.size.width, settings.size.height);
-    if (!settings.description.empty()) append("<desc>{}</desc>\n", escaped(settings.description));
+    if (!settings.description.empty())
+      append("<desc>{}</desc>\n", markupText(settings.description));
     append("<style>\n");
     appendRules(settings.outlines, "");
     append(
@@ -197,7 +182,7 @@ class SvgCanvas : public Canvas {
     append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{}{}{} fill=\"{}\">{}</text>\n", left,
            baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "",
            shaped.isRightToLeft ? " direction=\"rtl\" text-anchor=\"end\"" : "",
-           fallbackStyle(shaped, fontFamily_), hex(colour), escaped(line));
+           fallbackStyle(shaped, fontFamily_), hex(colour), markupText(line));
   }
 
   double silhouetteWidth() const override { return parts_.back().silhouetteWidth; }
@@ -237,12 +222,29 @@ class SvgCanvas : public Canvas {
 
 }  // namespace
 
+std::string markupText(const std::string& text) {
+  const std::map<char, const char*> entities = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
+  std::string safe;
+  for (const char letter : text) {
+    const auto entity = entities.find(letter);
+    safe += entity == entities.end() ? std::string(1, letter) : entity->second;
+  }
+  return safe;
+}
+
+std::string pageFile(const char* stem, PageFormat format) {
+  const auto row =
+      std::ranges::find(kPageFormats, format, &std::pair<const char*, PageFormat>::second);
+  return fmt::format("{}.{}", stem, row->first);
+}
+
 int pixelsOf(double millimetres, double dotsPerInch) {
   return static_cast<int>(std::ceil(millimetres / kMillimetresPerInch * dotsPerInch - 1e-6));
 }
 
 int emOf(double points, double dotsPerInch) {
-  return std::max(1, static_cast<int>(std::lround(points / kPointsPerInch * dotsPerInch)));
+  return std::max(1, wholePixels(points / kPointsPerInch * dotsPerInch));
 }
 
 // ------------------------------------------------------------------------------------------------

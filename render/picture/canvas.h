@@ -3,9 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/picture/camera.h"
@@ -118,6 +120,16 @@ class Canvas : public Surface {
 /// the size of the settings' pixels at their resolution, shapes and text as vector graphics, the
 /// font embedded. PNG: the settings' pixels and their resolution.
 enum class PageFormat { Svg, Pdf, Png };
+
+/// The words of options for the formats, which are the endings of files.
+inline constexpr std::array<std::pair<const char*, PageFormat>, 3> kPageFormats{
+    {{"png", PageFormat::Png}, {"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}}};
+
+/// A text between the tags of SVG or HTML, or an attribute in double quotation marks.
+std::string markupText(const std::string& text);
+
+/// "curves.svg" for the stem "curves".
+std::string pageFile(const char* stem, PageFormat format);
 
 /// A page of any format. Equal pages give equal bytes. The settings' size must be valid, see
 /// requireValidSize(). Throws OutputError if there is too little memory.

@@ -1,6 +1,7 @@
 /// A rendered image in memory. Needs no graphics library.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,6 +30,11 @@ struct FrameSize {
   double aspect() const { return static_cast<double>(width) / height; }
   bool operator==(const FrameSize&) const = default;
 };
+
+/// The whole number of pixels nearest to a length in pixels, halves away from zero.
+inline int wholePixels(double length) {
+  return static_cast<int>(std::lround(length));
+}
 
 /// Returns the size. Throws InputError if a side is not in [1, kMaxFrameSide].
 FrameSize requireValidSize(FrameSize size);

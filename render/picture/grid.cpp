@@ -69,9 +69,9 @@ PixelBox filledBox(const Frame& frame, Colour empty) {
 /// is clipped at the picture's borders.
 PixelBox withMargin(const PixelBox& box, FrameSize size) {
   const int height = box.sizes().y() + 1;
-  const int margin = static_cast<int>(std::lround(kTrimMargin * height));
+  const int margin = wholePixels(kTrimMargin * height);
   const int width = box.sizes().x() + 1;
-  const int missing = static_cast<int>(std::lround(kMinAspect * height)) - width;
+  const int missing = wholePixels(kMinAspect * height) - width;
   const Eigen::Vector2i growth(std::max(margin, (missing + 1) / 2), margin);
   const PixelBox picture(Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width - 1, size.height - 1));
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
@@ -82,9 +82,7 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
 int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
                 const GridStyle& style) {
   const LabelWriter writer(layout.textSize);
-  int widest = 1;
-  for (const std::string& caption : captions) widest = std::max(widest, writer.width(caption));
-  for (const std::string& head : style.heads) widest = std::max(widest, writer.width(head));
+  const int widest = std::max({1, writer.widest(captions), writer.widest(style.heads)});
   const double share = std::min(1.0, static_cast<double>(layout.picture.width) / widest);
   return std::max(kSmallestText, static_cast<int>(share * layout.textSize));
 }
@@ -140,7 +138,7 @@ void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& sty
     const auto& [metresPerPixel, unit] = *scale;
     const ScaleLength length =
         roundLength(kLongestBar * layout.picture.width * metresPerPixel, unit);
-    const int pixels = static_cast<int>(std::lround(length.metres / metresPerPixel));
+    const int pixels = wholePixels(length.metres / metresPerPixel);
     const int room = pixels + LabelWriter(em).width(length.text) + em;
     drawer.drawScaleBar(sheet, length.text, pixels, right - room / 2,
                         static_cast<int>(baseline - em / 3));
@@ -150,8 +148,7 @@ void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& sty
 /// Draws arrows between pictures at half their height, but none after the last picture of a row.
 void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
                 int columns) {
-  const int em = std::max(
-      1, std::min(layout.columnGap, static_cast<int>(std::lround(kArrowEms * layout.textSize))));
+  const int em = std::max(1, std::min(layout.columnGap, wholePixels(kArrowEms * layout.textSize)));
   for (int cell = 0; cell + 1 < cells; ++cell) {
     if (cell % columns == columns - 1) continue;
     // The middle of the arrow is about a third of an em above the baseline.
@@ -174,7 +171,7 @@ void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style
     const auto& [metresPerPixel, unit] = *style.scale;
     const ScaleLength length =
         roundLength(kLongestBar * layout.picture.width * metresPerPixel, unit);
-    const int pixels = static_cast<int>(std::lround(length.metres / metresPerPixel));
+    const int pixels = wholePixels(length.metres / metresPerPixel);
     drawer.drawScaleBar(sheet, length.text, pixels, middle, y);
     y += layout.scaleHeight;
   }
@@ -242,25 +239,23 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   requireShape(shape, style);
   GridLayout layout;
   layout.picture = picture;
-  layout.gap = static_cast<int>(std::lround(style.gap * picture.height));
-  layout.columnGap = static_cast<int>(std::lround(columnGap(style) * picture.height));
-  layout.textSize =
-      std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
+  layout.gap = wholePixels(style.gap * picture.height);
+  layout.columnGap = wholePixels(columnGap(style) * picture.height);
+  layout.textSize = std::max(kSmallestText, wholePixels(style.captionSize * picture.height));
   if (style.textSize) layout.textSize = *style.textSize;
-  layout.captionHeight =
-      static_cast<int>(std::lround((kStripEms + (lines - 1) * kCaptionLineEms) * layout.textSize));
+  layout.captionHeight = wholePixels((kStripEms + (lines - 1) * kCaptionLineEms) * layout.textSize);
   if (style.letters != PanelLetters::None && !nameRows(style)) {
-    layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
+    layout.letterHeight = wholePixels(kLetterEms * layout.textSize);
   }
   for (const GridRow& row : style.rows) layout.rows.push_back(row.picture);
   if (!style.rows.empty()) {
-    layout.rowHeadHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
+    layout.rowHeadHeight = wholePixels(kHeadEms * layout.textSize);
   }
   if (!style.heads.empty()) {
-    layout.headHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
+    layout.headHeight = wholePixels(kHeadEms * layout.textSize);
   }
   const double scaleEms = kScaleEms + (style.colourScale ? kColourBarHeight - 1 : 0);
-  layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
+  layout.scaleHeight = wholePixels(scaleEms * layout.textSize);
   layout.scales =
       (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.scale ? 1 : 0);
   // In 64 bits, because the typed numbers of rows and columns may be large.
@@ -349,7 +344,7 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
 }
 
 PictureBox PictureBox::scaled(double scale) const {
-  const auto pixels = [scale](int length) { return static_cast<int>(std::lround(scale * length)); };
+  const auto pixels = [scale](int length) { return wholePixels(scale * length); };
   return {pixels(left),
           pixels(upper),
           {std::max(1, pixels(left + size.width) - pixels(left)),

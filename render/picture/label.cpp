@@ -114,10 +114,11 @@ std::string textOf(FcPattern* pattern, const char* property, int number = 0) {
 }
 
 /// A font may have several names, in several languages.
-bool hasFamily(FcPattern* font, const FcChar8* family) {
+bool hasFamily(FcPattern* font, const std::string& family) {
   FcChar8* name = nullptr;
   for (int k = 0; FcPatternGetString(font, FC_FAMILY, k, &name) == FcResultMatch; ++k) {
-    if (FcStrCmpIgnoreCase(name, family) == 0) return true;
+    if (FcStrCmpIgnoreCase(name, reinterpret_cast<const FcChar8*>(family.c_str())) == 0)
+      return true;
   }
   return false;
 }
@@ -146,15 +147,13 @@ std::filesystem::path findFont(Weight weight) {
   if (weight == Weight::Regular) return findFont();
   const std::string family = fontFamily();
   const OwnedPattern font = matchFont(family, Weight::Bold);
-  const bool isFound =
-      font && hasFamily(font.get(), reinterpret_cast<const FcChar8*>(family.c_str()));
-  return isFound ? std::filesystem::path(textOf(font.get(), FC_FILE)) : findFont();
+  return font && hasFamily(font.get(), family) ? std::filesystem::path(textOf(font.get(), FC_FILE))
+                                               : findFont();
 }
 
 std::filesystem::path fontFile(const std::string& family) {
-  const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
   const OwnedPattern font = matchFont(family, Weight::Regular);
-  if (font && hasFamily(font.get(), name)) return textOf(font.get(), FC_FILE);
+  if (font && hasFamily(font.get(), family)) return textOf(font.get(), FC_FILE);
   const std::string nearest = font ? textOf(font.get(), FC_FAMILY) : "";
   throw InputError(fmt::format(
       "error: this machine has no font \"{}\"; install it, or give a family from fc-list{}", family,
@@ -554,6 +553,12 @@ int LabelWriter::width(const std::string& text) const {
   return static_cast<int>(std::ceil(shape(text).width));
 }
 
+int LabelWriter::widest(const std::vector<std::string>& lines) const {
+  int widest = 0;
+  for (const std::string& line : lines) widest = std::max(widest, width(line));
+  return widest;
+}
+
 std::optional<char32_t> LabelWriter::missingGlyph(const std::u32string& text) const {
   const std::u32string missing = fonts_->missingOf(text);
   const std::vector<FontFile> fallback = fonts_->fallbackFor(missing);
@@ -570,8 +575,8 @@ void LabelWriter::draw(Frame& frame, const std::string& text, int x, int baselin
     const FT_Face face = fonts_->fonts[fonts_->open(run.font)].face;
     for (const PlacedGlyph& glyph : run.glyphs) {
       if (FT_Load_Glyph(face, glyph.number, FT_LOAD_RENDER) != 0) continue;
-      drawGlyph(frame, face->glyph, static_cast<int>(x + glyph.x),
-                baseline + static_cast<int>(std::lround(glyph.y)), colour);
+      drawGlyph(frame, face->glyph, static_cast<int>(x + glyph.x), baseline + wholePixels(glyph.y),
+                colour);
     }
   }
 }
@@ -692,26 +697,18 @@ std::vector<std::string> wrapText(const std::string& text, const LineWidth& widt
 // right corner. Each is rounded separately, so adjacent boxes have no overlap and no gap. A font is
 // loaded for each text, because captions are few.
 
-namespace {
-
-int nearestPixel(double length) {
-  return static_cast<int>(std::lround(length));
-}
-
-}  // namespace
-
 void FrameSurface::box(double left, double upper, double width, double height, Colour colour) {
-  const int right = std::min(nearestPixel(left + width), frame_.size.width);
-  const int lower = std::min(nearestPixel(upper + height), frame_.size.height);
-  for (int y = std::max(nearestPixel(upper), 0); y < lower; ++y) {
-    for (int x = std::max(nearestPixel(left), 0); x < right; ++x) frame_.set(x, y, colour);
+  const int right = std::min(wholePixels(left + width), frame_.size.width);
+  const int lower = std::min(wholePixels(upper + height), frame_.size.height);
+  for (int y = std::max(wholePixels(upper), 0); y < lower; ++y) {
+    for (int x = std::max(wholePixels(left), 0); x < right; ++x) frame_.set(x, y, colour);
   }
 }
 
 void FrameSurface::text(const std::string& line, double left, double baseline, int em,
                         Colour colour, Weight weight) {
   LabelWriter(em, findFont(weight))
-      .draw(frame_, line, nearestPixel(left), nearestPixel(baseline), colour);
+      .draw(frame_, line, wholePixels(left), wholePixels(baseline), colour);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -744,10 +741,6 @@ constexpr double kColourBarLengthEms = 14;
 /// Its smallest length, ems. With less space the text is smaller.
 constexpr double kMinColourBarEms = 5;
 
-int pixels(double length) {
-  return static_cast<int>(std::lround(length));
-}
-
 }  // namespace
 
 Colour colourAt(const ColourScale& scale, double share) {
@@ -773,12 +766,12 @@ ScaleLength roundLength(double longest, const LengthUnit& unit) {
 }
 
 int ScaleDrawer::baseline(int y) const {
-  return y + pixels(kHalfCapital * em_);
+  return y + wholePixels(kHalfCapital * em_);
 }
 
 void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int x, int y,
                                 int width) const {
-  const int gap = pixels(2 * kSpaceEms * em_);
+  const int gap = wholePixels(2 * kSpaceEms * em_);
   const int title = writer_.width(scale.title);
   const double needed = title + 3 * gap + kMinColourBarEms * em_;
   if (width < needed && em_ > 1) {
@@ -786,10 +779,11 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
     return smaller.drawColourBar(surface, scale, x, y, width);
   }
   // A tick's value may extend by half its width; a margin stays free at each end.
-  const int length = std::clamp(width - title - 3 * gap, em_, pixels(kColourBarLengthEms * em_));
+  const int length =
+      std::clamp(width - title - 3 * gap, em_, wholePixels(kColourBarLengthEms * em_));
   const int left = x - (title + gap + length) / 2;
-  const int height = std::max(3, pixels(kColourBarEms * em_));
-  const int upper = y - pixels(0.5 * kColourBarHeight * em_) + pixels(0.1 * em_);
+  const int height = std::max(3, wholePixels(kColourBarEms * em_));
+  const int upper = y - wholePixels(0.5 * kColourBarHeight * em_) + wholePixels(0.1 * em_);
   surface.text(scale.title, left, baseline(upper + height / 2), em_, text_);
   const int bar = left + title + gap;
   for (int k = 0; k < length; ++k) {
@@ -805,11 +799,9 @@ Axis ScaleDrawer::axisThatFits(const ColourScale& scale, int length) const {
   Axis axis;
   for (int most = kMaxTicks; most >= 2; --most) {
     axis = makeAxisWithin(scale.least, scale.most, most);
-    int widest = 0;
-    for (const std::string& text : axis.texts) widest = std::max(widest, writer_.width(text));
     if (axis.ticks.size() < 2) break;
     const double step = (axis.ticks[1] - axis.ticks[0]) / (scale.most - scale.least);
-    if (widest + kSpaceEms * em_ <= step * length) break;
+    if (writer_.widest(axis.texts) + kSpaceEms * em_ <= step * length) break;
   }
   return axis;
 }
@@ -817,13 +809,13 @@ Axis ScaleDrawer::axisThatFits(const ColourScale& scale, int length) const {
 void ScaleDrawer::drawTicks(Surface& surface, const ColourScale& scale, int left, int upper,
                             int length) const {
   const Axis axis = axisThatFits(scale, length);
-  const int height = std::max(2, pixels(kTickEms * em_));
-  const int width = std::max(1, pixels(kTickWidthEms * em_));
+  const int height = std::max(2, wholePixels(kTickEms * em_));
+  const int width = std::max(1, wholePixels(kTickWidthEms * em_));
   for (std::size_t k = 0; k < axis.ticks.size(); ++k) {
-    const int place = left + pixels(shareOf(scale, axis.ticks[k]) * (length - 1));
+    const int place = left + wholePixels(shareOf(scale, axis.ticks[k]) * (length - 1));
     surface.box(place - width / 2, upper, width, height, text_);
     surface.text(axis.texts[k], place - writer_.width(axis.texts[k]) / 2,
-                 upper + height + pixels(kTickValueEms * em_), em_, text_);
+                 upper + height + wholePixels(kTickValueEms * em_), em_, text_);
   }
 }
 
@@ -849,9 +841,9 @@ void ScaleDrawer::drawLegend(Surface& surface, const std::vector<LegendEntry>& e
 
 void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int length, int x,
                                int y) const {
-  const int space = pixels(kSpaceEms * em_);
+  const int space = wholePixels(kSpaceEms * em_);
   const int left = x - (length + space + writer_.width(text)) / 2;
-  const int height = std::max(2, pixels(kScaleBarEms * em_));
+  const int height = std::max(2, wholePixels(kScaleBarEms * em_));
   surface.box(left, y - height / 2, length, height, text_);
   surface.text(text, left + length + space, baseline(y), em_, text_);
 }

@@ -95,6 +95,8 @@ class LabelWriter {
 
   /// Width of the shaped line, pixels, rounded up.
   int width(const std::string& text) const;
+  /// Width of the widest of these lines, pixels; 0 without lines.
+  int widest(const std::vector<std::string>& lines) const;
 
   /// The first character missing in the font and in all fallback fonts; absent if none is missing.
   std::optional<char32_t> missingGlyph(const std::u32string& text) const;

@@ -203,7 +203,6 @@ void setView(const Appearance& appearance, std::span<const Poses> states, Pictur
   content.view = chooseView(shown, zIsUp);
 }
 
-/// Cameras keep the start and the target, if any, in view.
 PictureContent makeContent(const model::Model& model, const brick::BrickRule& rule,
                            const std::optional<scene::Ground>& ground) {
   PictureContent content;
@@ -445,11 +444,6 @@ constexpr double kLongestLength = 0.25;
 /// Opacity of the remaining part of a progress bar.
 constexpr double kFaint = 0.2;
 
-/// Rounds half away from zero.
-int rounded(double pixels) {
-  return static_cast<int>(std::lround(pixels));
-}
-
 Colour between(Colour from, Colour to, double share) {
   const auto mix = [share](std::uint8_t a, std::uint8_t b) {
     return static_cast<std::uint8_t>(std::lround(a + share * (b - a)));
@@ -460,7 +454,7 @@ Colour between(Colour from, Colour to, double share) {
 
 /// Text size at which the widest line fits.
 int textSize(FrameSize whole, std::span<const std::string> lines) {
-  const int requested = std::max(kMinText, rounded(kTextShare * whole.height));
+  const int requested = std::max(kMinText, wholePixels(kTextShare * whole.height));
   const LabelWriter writer(requested);
   double fitting = requested;
   for (const std::string& line : lines) {
@@ -478,8 +472,8 @@ Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
   const bool hasScales = scalesEms() > 0;
   if (!hasName && !hasCaption && !hasScales && !parts.progressBar) return;
   em_ = textSize(whole, std::array{parts.name, parts.longestName, parts.longestCaption});
-  height_ = rounded(em_ * ((hasName ? kStripLineEms : 0) + (hasCaption ? kStripLineEms : 0) +
-                           scalesEms() + (parts.progressBar ? kProgressEms : 0)));
+  height_ = wholePixels(em_ * ((hasName ? kStripLineEms : 0) + (hasCaption ? kStripLineEms : 0) +
+                               scalesEms() + (parts.progressBar ? kProgressEms : 0)));
   height_ = std::min(height_, whole.height - 1);
   if (hasScales) scales_.emplace(em_, text_);
   if (!hasName && !hasCaption) return;
@@ -506,15 +500,15 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   picture.pixels.insert(picture.pixels.end(), strip.pixels.begin(), strip.pixels.end());
   picture.size = whole_;
   const auto write = [&](const std::string& line, int left) {
-    writer_->draw(picture, line, left, upper + rounded(kLineBaselineEms * em_), text_);
-    upper += rounded(kStripLineEms * em_);
+    writer_->draw(picture, line, left, upper + wholePixels(kLineBaselineEms * em_), text_);
+    upper += wholePixels(kStripLineEms * em_);
   };
   if (!parts_.name.empty()) write(parts_.name, nameLeft_);
   // At the same position in every frame, so letters do not jump.
   if (!parts_.longestCaption.empty()) write(text.caption, captionLeft_);
   if (scales_) {
     drawScales(picture, upper, colours, legend, scale);
-    upper += rounded(scalesEms() * em_);
+    upper += wholePixels(scalesEms() * em_);
   }
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
 }
@@ -524,7 +518,7 @@ void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>
                        const std::vector<LegendEntry>& legend,
                        const std::optional<PictureScale>& scale) const {
   FrameSurface surface(frame);
-  const int y = upper + rounded(0.5 * scalesEms() * em_);
+  const int y = upper + wholePixels(0.5 * scalesEms() * em_);
   const bool both = (parts_.colours || parts_.legend) && scale;
   const int width = frame.size.width;
   const int middle = both ? width / 3 : width / 2, room = both ? 2 * width / 3 : width;
@@ -535,16 +529,16 @@ void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>
   if (!scale) return;
   const ScaleLength length =
       roundLength(kLongestLength * width * scale->metresPerPixel, scale->unit);
-  scales_->drawScaleBar(surface, length.text, rounded(length.metres / scale->metresPerPixel),
+  scales_->drawScaleBar(surface, length.text, wholePixels(length.metres / scale->metresPerPixel),
                         both ? 5 * width / 6 : width / 2, y);
 }
 
 void Strip::drawProgress(Frame& frame, int upper, double progress) const {
-  const int margin = rounded(0.5 * (1 - kUsedWidth) * frame.size.width);
+  const int margin = wholePixels(0.5 * (1 - kUsedWidth) * frame.size.width);
   const int length = frame.size.width - 2 * margin;
-  const int height = std::max(2, rounded(kProgressBarEms * em_));
-  const int top = upper + (rounded(kProgressEms * em_) - height) / 2;
-  const int done = margin + rounded(std::clamp(progress, 0.0, 1.0) * length);
+  const int height = std::max(2, wholePixels(kProgressBarEms * em_));
+  const int top = upper + (wholePixels(kProgressEms * em_) - height) / 2;
+  const int done = margin + wholePixels(std::clamp(progress, 0.0, 1.0) * length);
   FrameSurface surface(frame);
   surface.box(margin, top, length, height, between(background_, text_, kFaint));
   surface.box(margin, top, done - margin, height, text_);
@@ -611,17 +605,11 @@ std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   return numbers;
 }
 
-/// Metres; 1 without bricks.
-double meanEdge(const std::vector<brick::Brick>& bricks) {
-  double sum = 0;
-  int count = 0;
-  for (const brick::Brick& brick : bricks) {
-    for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
-      sum += (brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm();
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 1;
+/// The mean edge of the tiles, metres.
+double tileSize(const PictureContent& content) {
+  model::Model start;
+  start.tiles = brick::bottomTiles(content.bricks, content.start);
+  return model::tileSize(start);
 }
 
 /// For the legend: "concave hexagon", "12-gon".
@@ -813,7 +801,7 @@ double BrickPalette::largestExpected() const {
       return 1;
     default:
       // Exact joints stay far below this, those of the baseline solver do not.
-      return 1e-6 * meanEdge(content_.bricks) / content_.unit.metres;
+      return 1e-6 * tileSize(content_) / content_.unit.metres;
   }
 }
 
@@ -846,7 +834,7 @@ std::vector<double> BrickPalette::values(const Poses& poses, double time) const 
 
 /// The target has priority over the start: a sheet whose target is its start has arrived.
 std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
-  const double near = kArrival * meanEdge(content_.bricks);
+  const double near = kArrival * tileSize(content_);
   const std::vector<double> moved = trajectory::brickDisplacements(content_.start, poses);
   const std::vector<double> turned = trajectory::brickRotations(content_.start, poses);
   std::vector<double> away(poses.size(), near + 1);

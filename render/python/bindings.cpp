@@ -29,6 +29,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/formats/read_model.h"
+#include "sim/trajectory/run_curves.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace py = pybind11;
@@ -434,9 +435,7 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
 /// earlier one.
 std::size_t nearestSample(const std::vector<double>& times, std::optional<double> time) {
   if (!time) return times.size() - 1;
-  const auto nearest = std::ranges::min_element(
-      times, {}, [&](double sampled) { return std::abs(sampled - *time); });
-  return static_cast<std::size_t>(nearest - times.begin());
+  return trajectory::nearestIndex(times, *time);
 }
 
 /// Completed fraction of the camera's orbit at a time, as in a video at an even pace, [0, 1]. Only

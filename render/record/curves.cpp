@@ -30,6 +30,7 @@ namespace kirireel::record {
 namespace {
 
 constexpr const char* kTable = "curves.csv";
+constexpr const char* kPages = "curves";  // stem
 // The column for --against opening.
 constexpr const char* kOpening = "opening_mean_deg";
 // Selects the curves of loadCurvesOf().
@@ -38,19 +39,6 @@ constexpr const char* kLoadCurves = "load_curve";
 constexpr double kStillGrip = 1e-9;
 // Smaller errors, gaps and overlaps are rounding, as a fraction of the model's size.
 constexpr double kRounding = 1e-12;
-
-/// Each format has its own name, so a folder can have all of them.
-const char* fileOf(picture::PageFormat format) {
-  switch (format) {
-    case picture::PageFormat::Svg:
-      return "curves.svg";
-    case picture::PageFormat::Pdf:
-      return "curves.pdf";
-    case picture::PageFormat::Png:
-      break;
-  }
-  return "curves.png";
-}
 
 /// The curves of all groups, in order.
 std::vector<const trajectory::Curve*> allCurves(const trajectory::RunCurves& curves) {
@@ -424,11 +412,10 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
   };
   std::vector<std::string> names;
   for (std::size_t run = 0; run < runs.size(); ++run) names.push_back(tableOf(run));
-  for (const picture::PageFormat format : settings.plots) names.emplace_back(fileOf(format));
+  for (const picture::PageFormat format : settings.plots)
+    names.push_back(picture::pageFile(kPages, format));
   output::FileSet files(settings.folder, output::kContents);
-  files.requireFree([&names](const std::string& name) {
-    return name == output::kContents || std::ranges::find(names, name) != names.end();
-  });
+  files.requireFree(names);
   const std::vector<PlottedRun> plotted =
       plottedRuns(runs, settings,
                   [&](std::size_t run, const trajectory::RunCurves& curves,
@@ -440,7 +427,8 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
   PlotSettings plot = settings.plot;
   plot.madeBy = madeBy(models);
   for (const picture::PageFormat format : settings.plots) {
-    writeTextFile(files.stage() / fileOf(format), plotCurves(plotted, format, plot));
+    writeTextFile(files.stage() / picture::pageFile(kPages, format),
+                  plotCurves(plotted, format, plot));
   }
   files.commit(names);
   return names;
@@ -777,7 +765,7 @@ class DiagramLayout {
 
   /// Space that the numbers of the vertical axis need on the left of a diagram of this height,
   /// pixels.
-  double numbersWidth(double height) const { return widest(upAxis(height).texts) + em_; }
+  double numbersWidth(double height) const { return writer_.widest(upAxis(height).texts) + em_; }
 
   /// The layout in a box, which has kTitleEms above it and kBelowEms below it.
   DiagramAxes axesIn(const picture::PageBox& box) const {
@@ -823,12 +811,6 @@ class DiagramLayout {
 
   double width(const std::string& text) const { return writer_.width(text); }
 
-  double widest(const std::vector<std::string>& texts) const {
-    double most = 0;
-    for (const std::string& text : texts) most = std::max(most, width(text));
-    return most;
-  }
-
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const PlotLine& line : diagram_.lines) all.push_back(line.name);
@@ -865,7 +847,8 @@ class DiagramLayout {
   bool placeInCorner(DiagramAxes& axes, bool isFree) const {
     const picture::PageBox& box = axes.box;
     const auto count = static_cast<double>(diagram_.lines.size());
-    picture::PageBox part{0, 0, widest(names()) + em_, (kNameLineEms * count + 0.5) * em_};
+    picture::PageBox part{0, 0, static_cast<double>(writer_.widest(names()) + em_),
+                          (kNameLineEms * count + 0.5) * em_};
     if (isFree && (part.width > box.width || part.height > box.height)) return false;
     const double lefts[] = {box.right() - part.width, box.left};
     const double uppers[] = {box.upper, box.lower() - part.height};
@@ -1124,7 +1107,7 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
   picture::FrameSize size;
   size.width = picture::pixelsOf(settings.width, settings.dotsPerInch);
   const int columns = size.width < kNarrowFigureEms * em ? 1 : PlotSheet::kColumns;
-  size.height = static_cast<int>(std::lround(sheet.height(size.width, columns)));
+  size.height = picture::wholePixels(sheet.height(size.width, columns));
   picture::requireValidSize(size);
   const std::unique_ptr<picture::Canvas> canvas =
       picture::makeCanvas(format, {.size = size,

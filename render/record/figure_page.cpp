@@ -290,10 +290,9 @@ class PageComposer {
 }  // namespace
 
 picture::PageFormat pageFormatOf(const std::string& file) {
-  const std::string ending = endingOf(file);
-  if (ending == ".svg") return picture::PageFormat::Svg;
-  if (ending == ".pdf") return picture::PageFormat::Pdf;
-  if (ending == ".png") return picture::PageFormat::Png;
+  for (const auto& [word, format] : picture::kPageFormats) {
+    if (endingOf(file) == std::string(".") + word) return format;
+  }
   throw InputError(fmt::format(
       "error: {} has no format of a page; give a name that ends in .pdf, .svg or .png", file));
 }
@@ -301,9 +300,7 @@ picture::PageFormat pageFormatOf(const std::string& file) {
 void writeFigure(const FigurePage& page) {
   picture::setFont(page.font);
   output::FileSet files(page.folder, output::kContents);
-  files.requireFree([&page](const std::string& name) {
-    return name == output::kContents || std::ranges::find(page.files, name) != page.files.end();
-  });
+  files.requireFree(page.files);
   const PageComposer composer(page);
   for (const std::string& file : page.files) {
     writeTextFile(files.stage() / file, composer.draw(pageFormatOf(file)));

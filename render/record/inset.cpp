@@ -123,8 +123,8 @@ picture::PageBox chooseCorner(const trajectory::TrajectoryReader& run,
                               const std::array<picture::PageBox, 4>& corners) {
   const picture::FrameSize size = setup.pictureSize();
   const double scale = std::min(1.0, static_cast<double>(kSmallWidth) / size.width);
-  const picture::FrameSize small{std::max(1, static_cast<int>(std::lround(scale * size.width))),
-                                 std::max(1, static_cast<int>(std::lround(scale * size.height)))};
+  const picture::FrameSize small{std::max(1, picture::wholePixels(scale * size.width)),
+                                 std::max(1, picture::wholePixels(scale * size.height))};
   const std::vector<FrameMoment> moments = videoMoments(motionOf(run), settings);
   const std::size_t states = std::min(kStates, moments.size());
   std::array<double, 4> covers{};

@@ -13,6 +13,7 @@
 
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel::record {
 namespace {
@@ -38,16 +39,6 @@ double shownDistance(const trajectory::Subject& subject, const picture::PictureC
     after.push_back(to[i]);
   }
   return bricks.empty() ? 0 : run::pathDistance(bricks, before, after);
-}
-
-/// Linear interpolation between points with ascending x; constant beyond.
-double along(const std::vector<double>& x, const std::vector<double>& y, double place) {
-  const auto above = std::lower_bound(x.begin(), x.end(), place);
-  if (above == x.begin()) return y.front();
-  if (above == x.end()) return y.back();
-  const auto k = above - x.begin();
-  const double share = (place - x[k - 1]) / (x[k] - x[k - 1]);
-  return y[k - 1] + share * (y[k] - y[k - 1]);
 }
 
 /// The ramp is a fraction of the time with motion, at most 1/2.
@@ -89,11 +80,11 @@ MotionCurve::MotionCurve(std::vector<double> times, std::vector<double> lengths)
     : times_(std::move(times)), lengths_(std::move(lengths)) {}
 
 double MotionCurve::shareAt(double time) const {
-  return length() > 0 ? along(times_, lengths_, time) / length() : 1;
+  return length() > 0 ? trajectory::valueAt(times_, lengths_, time) / length() : 1;
 }
 
 double MotionCurve::timeAt(double share) const {
-  return share >= 1 ? endTime() : along(lengths_, times_, share * length());
+  return share >= 1 ? endTime() : trajectory::valueAt(lengths_, times_, share * length());
 }
 
 MotionCurve motionOf(const trajectory::TrajectoryReader& run) {
@@ -217,16 +208,6 @@ namespace {
 /// A requested time may be this much after the end, seconds, because people round.
 constexpr double kAfterEnd = 0.01;
 
-/// The entry of ascending numbers nearest to the requested one; the lower of two that are equally
-/// near.
-int nearestIndex(const std::vector<double>& numbers, double requested) {
-  const auto above = std::lower_bound(numbers.begin(), numbers.end(), requested);
-  if (above == numbers.begin()) return 0;
-  const auto below = above - 1;
-  const bool takeBelow = above == numbers.end() || requested - *below <= *above - requested;
-  return static_cast<int>((takeBelow ? below : above) - numbers.begin());
-}
-
 /// Throws InputError for times after the end.
 int nearestToTime(const std::vector<double>& times, double time) {
   if (time > times.back() + kAfterEnd) {
@@ -235,7 +216,7 @@ int nearestToTime(const std::vector<double>& times, double time) {
                     "up to it, or shares such as 100%",
                     time, times.back()));
   }
-  return nearestIndex(times, time);
+  return static_cast<int>(trajectory::nearestIndex(times, time));
 }
 
 }  // namespace
@@ -245,8 +226,7 @@ std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurv
   std::set<int> indices;
   for (const FrameChoice& choice : requested) {
     const bool isShare = choice.unit == FrameChoice::Unit::Share;
-    indices.insert(isShare ? nearestIndex(times, motion.timeAt(choice.value))
-                           : nearestToTime(times, choice.value));
+    indices.insert(nearestToTime(times, isShare ? motion.timeAt(choice.value) : choice.value));
   }
   return {indices.begin(), indices.end()};
 }

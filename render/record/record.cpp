@@ -376,12 +376,12 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
 /// of pictures is not known.
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
+  const auto isPage = [&name](picture::PageFormat format) {
+    return name == picture::pageFile(output::kSnapshotPages, format);
+  };
   return (settings.video && name == settings.videoFile) ||
          (settings.snapshots && name == output::kSnapshots) ||
-         (settings.snapshots && std::ranges::any_of(settings.pages,
-                                                    [&name](picture::PageFormat format) {
-                                                      return name == pageFile(format);
-                                                    })) ||
+         (settings.snapshots && std::ranges::any_of(settings.pages, isPage)) ||
          (settings.svg &&
           output::isNumbered(name, [](int k) { return output::snapshotDrawing(k).string(); })) ||
          (hasFrames && name == output::kFrames + std::string("/")) ||
@@ -393,8 +393,7 @@ bool isPicture(const std::string& name, const PictureSettings& settings) {
 
 /// The same of all files.
 bool isOutput(const std::string& name, const RecordSettings& settings) {
-  if (name == output::kSummary || name == output::kFinalVertices) return true;
-  if (name == output::kLoadCurve) return true;
+  if (name == output::kFinalVertices || name == output::kLoadCurve) return true;
   if (keepsTrajectory(settings) && name == output::kTrajectory) return true;
   if (settings.paints() && isPicture(name, settings)) return true;
   if (exports::isExported(name, settings.exports)) return true;
@@ -414,9 +413,7 @@ PictureReport paintFiles(PictureSettings settings, const std::vector<std::string
                          const std::function<void(const PictureSettings&, PictureReport&)>& paint) {
   const Stopwatch stopwatch;
   output::FileSet files(settings.folder, output::kContents);
-  files.requireFree([&settings](const std::string& name) {
-    return name == output::kContents || isPicture(name, settings);
-  });
+  files.requireFree([&settings](const std::string& name) { return isPicture(name, settings); });
   settings.folder = files.stage();
   settings.madeBy = madeBy(models);
   PictureReport report;

@@ -36,28 +36,22 @@
 namespace kirireel::record {
 namespace {
 
-/// Number of samples for the fit of the camera, sufficient for any smooth motion.
+/// Number of samples for the fit of the camera, the scale of colours and the range of the depth
+/// cue. It is sufficient for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
 /// Frames between painting and encoding, in addition to one per painter; see kWaitingSamples.
 constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with a margin for rounding.
 constexpr double kBorder = 1 + 1e-9;
 
-/// Always includes the last sample.
-void keepRunInView(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
+/// At equal steps of samples, always with the last.
+std::vector<Poses> someStates(const trajectory::TrajectoryReader& run) {
+  std::vector<Poses> states;
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride) picture::keepInView(content, run.sample(i).poses);
-  picture::keepInView(content, run.sample(count - 1).poses);
-}
-
-/// For the colour scale, whose maximum is the largest value in these states, and for the range of
-/// the depth cue.
-void keepStates(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
-  const std::size_t count = run.times().size();
-  const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride) content.states.push_back(run.sample(i).poses);
-  content.states.push_back(run.sample(count - 1).poses);
+  for (std::size_t i = 0; i < count; i += stride) states.push_back(run.sample(i).poses);
+  states.push_back(run.sample(count - 1).poses);
+  return states;
 }
 
 /// The paths of traced vertices, with all samples.
@@ -137,10 +131,12 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
       fitsEnds(run.subject().model, settings) &&
       (!choosesCamera(settings) ||
        showsRun(run, picture::PictureSetup(settings.appearance, content, settings.size)));
-  if (!fits) keepRunInView(content, run);
+  if (!fits) {
+    for (const Poses& poses : someStates(run)) picture::keepInView(content, poses);
+  }
   const bool needsScale =
       picture::isMeasure(settings.appearance.colouring) && !settings.appearance.colourMost;
-  if (needsScale || settings.appearance.depthCue > 0) keepStates(content, run);
+  if (needsScale || settings.appearance.depthCue > 0) content.states = someStates(run);
   picture::requireVertices(settings.appearance.trails, content.bricks);
   if (!settings.appearance.trails.empty()) keepPaths(content, run, settings.appearance.trails);
   return content;
@@ -381,15 +377,27 @@ picture::Frame RunPictures::paintStill(const FrameState& state) {
   return stills_->paint(state);
 }
 
-/// Interpolates states at the times of the grid instead of using the nearest samples.
-void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
-  PanelRow row{settings_.appearance, painters_.front().setup().content(), {}, {}, {}};
+namespace {
+
+/// A row of states of a run. They are interpolated at the times of the pictures, which may be
+/// between samples.
+PanelRow makeRow(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
+                 picture::PictureContent content, const PictureSettings& settings, int states) {
+  PanelRow row{settings.appearance, std::move(content), {}, {}, run.subject().model.name};
+  const CaptionWriter writer(settings.captionParts(), row.content);
   Replay replayed(run);
-  for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
+  for (const FrameMoment& moment : snapshotMoments(motion, settings, states)) {
     row.states.push_back({moment, replayed.at(moment.time)});
-    row.captions.push_back(painters_.front().captions().of(row.states.back()));
+    row.captions.push_back(writer.of(row.states.back()));
   }
-  const std::vector<PanelRow> rows = {std::move(row)};
+  return row;
+}
+
+}  // namespace
+
+void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
+  const std::vector<PanelRow> rows = {
+      makeRow(run, motion, painters_.front().setup().content(), settings_, settings_.grid.cells())};
   PanelSheet(rows, settings_.grid, settings_, report_).write();
 }
 
@@ -550,7 +558,7 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
   for (const CardLine& line : lines) {
     const picture::LabelWriter writer(std::max(1, static_cast<int>(line.em)));
     writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
-                static_cast<int>(std::lround(upper + line.em)), ink);
+                picture::wholePixels(upper + line.em), ink);
     upper += kCardLineEms * line.em;
   }
   return card;
@@ -585,10 +593,6 @@ picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::
 }
 
 }  // namespace
-
-const char* pageFile(picture::PageFormat format) {
-  return format == picture::PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
-}
 
 picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
@@ -785,7 +789,7 @@ void PanelSheet::writePage(picture::PageFormat format) {
   if (settings_.gridWidth) page.pixelsPerInch = pixelsPerInch(layout_);
   const std::unique_ptr<picture::Canvas> canvas = picture::makeCanvas(format, page);
   drawAll(*canvas, {0, 0}, "");
-  report_.files.emplace_back(pageFile(format));
+  report_.files.push_back(picture::pageFile(output::kSnapshotPages, format));
   writeTextFile(settings_.folder / report_.files.back(), canvas->finish());
 }
 
@@ -876,21 +880,6 @@ picture::Appearance sharedAppearance(std::span<const trajectory::TrajectoryReade
   return appearance;
 }
 
-/// Reads the motion of the run and the states for its pictures.
-PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
-                 int states) {
-  PanelRow row{settings.appearance, contentOf(run, settings), {}, {}, {}};
-  const MotionCurve motion = motionOf(run);
-  Replay replayed(run);
-  for (const FrameMoment& moment : snapshotMoments(motion, settings, states)) {
-    row.states.push_back({moment, replayed.at(moment.time)});
-  }
-  const CaptionWriter writer(settings.captionParts(), row.content);
-  for (const FrameState& state : row.states) row.captions.push_back(writer.of(state));
-  row.head = run.subject().model.name;
-  return row;
-}
-
 /// Changes the appearances of pictures to the largest scale of length, if requested, and of colour.
 /// Returns whether anything changed.
 bool shareScales(const PictureSettings& settings,
@@ -931,7 +920,7 @@ std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* c
   const int states = runs.size() == 1 ? settings.grid.cells() : settings.grid.columns;
   std::vector<PanelRow> rows;
   for (const trajectory::TrajectoryReader* run : runs) {
-    rows.push_back(makeRow(*run, settings, states));
+    rows.push_back(makeRow(*run, motionOf(*run), contentOf(*run, settings), settings, states));
   }
   std::vector<std::unique_ptr<picture::PictureSetup>> made;
   std::vector<const picture::PictureSetup*> setups;

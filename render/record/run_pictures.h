@@ -96,7 +96,6 @@ class FramePainter {
   /// Paints with another appearance from now on.
   void show(const trajectory::TrajectoryReader& run, const PictureSettings& settings);
 
-  const CaptionWriter& captions() const { return *captions_; }
   const picture::PictureSetup& setup() const { return painter_.setup(); }
 
  private:
@@ -225,9 +224,6 @@ struct PanelRow {
   std::vector<std::string> captions;  ///< one per state
   std::string head;                   ///< above the row, in a figure of several runs
 };
-
-/// File name of the sheet in this format. PNG has a special name, see output::kSnapshots.
-const char* pageFile(picture::PageFormat format);
 
 /// The state for a picture.
 picture::ShownState shownState(const FrameState& state);

@@ -167,10 +167,6 @@ Json necksJson(const NeckInspection& necks) {
           {"kerf", range(&model::Neck::kerf)}};
 }
 
-std::string needText(const char* name, const scene::Need& need) {
-  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
-}
-
 /// "0-3,7" from ascending zero-based numbers, in the syntax of --tile-colour.
 std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
   std::string text;
@@ -238,6 +234,10 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.assembledError =
       run::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;
   return inspection;
+}
+
+std::string needText(const char* name, const scene::Need& need) {
+  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
 std::string inspectionText(const Inspection& inspection) {
@@ -359,21 +359,27 @@ model::Tile loopOf(const formats::DrawnPath& path, double height) {
   return loop;
 }
 
-/// Lines and dots without a sheet.
-picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> dots,
-                           picture::FrameSize size) {
-  const std::vector<Vector3> points = model::allVertices(lines);
+/// In parallel projection, equal tiles have numbers of equal size.
+picture::Camera parallelCamera(const std::vector<model::Tile>& tiles, picture::FrameSize size) {
+  const std::vector<Vector3> points = model::allVertices(tiles);
   picture::CameraFit fit;
   fit.view = picture::defaultView(points);
   fit.aspect = size.aspect();
   fit.orthographic = true;
+  return picture::fitCamera(points, fit);
+}
+
+/// Lines and dots without a sheet.
+picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> dots,
+                           picture::FrameSize size) {
+  const picture::Camera camera = parallelCamera(lines, size);
   picture::Style style;
   style.markSize = 0.03;
   style.overlay = style.edge;  // lines that differ from dots
   picture::PictureItems items;
   items.overlay = std::move(lines);
   items.marks = std::move(dots);
-  return picture::Painter(size, {}, style).paint(items, picture::fitCamera(points, fit));
+  return picture::Painter(size, {}, style).paint(items, camera);
 }
 
 /// One state: picture and numbers with the same camera.
@@ -382,14 +388,7 @@ class StatePicture {
   StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
                const brick::BrickRule& rule, picture::FrameSize size,
                const std::optional<std::vector<formats::DrawnPath>>& ignored = {})
-      : tiles_(tiles), order_(model.fileOrder), size_(size) {
-    const std::vector<Vector3> points = model::allVertices(tiles);
-    picture::CameraFit fit;
-    fit.view = picture::defaultView(points);
-    fit.aspect = size.aspect();
-    // Parallel projection: equal tiles have numbers of equal size.
-    fit.orthographic = true;
-    camera_ = picture::fitCamera(points, fit);
+      : tiles_(tiles), order_(model.fileOrder), size_(size), camera_(parallelCamera(tiles, size)) {
     const std::vector<brick::Brick> bricks = brick::makeBricks(tiles, rule);
     picture::PictureItems items;
     items.poses = brick::startPoses(tiles, bricks);
@@ -455,8 +454,8 @@ class StatePicture {
     const int width = writer.width(text);
     // Digits are about 0.7 of the em high, and 0.6 wide.
     const double height = 1.2 * width / static_cast<double>(text.size());
-    writer.draw(frame_, text, static_cast<int>(std::lround(x - 0.5 * width)),
-                static_cast<int>(std::lround(y + 0.5 * height)), colour);
+    writer.draw(frame_, text, picture::wholePixels(x - 0.5 * width),
+                picture::wholePixels(y + 0.5 * height), colour);
   }
 
   const std::vector<model::Tile>& tiles_;

@@ -65,6 +65,9 @@ struct Inspection {
 Inspection inspect(const scene::Scene& scene,
                    const std::function<void(const char*)>& progress = {});
 
+/// "planar on (the sheet stays flat)".
+std::string needText(const char* name, const scene::Need& need);
+
 /// The inspection as text of several lines, one per subject.
 std::string inspectionText(const Inspection& inspection);
 

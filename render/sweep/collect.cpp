@@ -177,7 +177,6 @@ void RunClaim::finish(const RunRecord& record) {
 
 namespace {
 
-namespace fs = std::filesystem;
 /// Thickness for the pictures of a table, in metres.
 const Json::json_pointer kThickness("/settings/model/thickness");
 

@@ -277,7 +277,6 @@ void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
                               0};
 }
 
-// Extends the array, then writes the new rows.
 void ArrayWriter::append(const std::string& name, std::span<const double> rows) {
   Internals::Series& series = internals_->series.at(name);
   // A row without entries would divide by 0.
@@ -543,7 +542,6 @@ std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   return texts;
 }
 
-// Selects one row of the array in the file, and reads it into a flat list.
 std::vector<double> ArrayReader::row(const std::string& name, std::size_t index) const {
   const Handle& array = internals_->array(name);
   Shape rowShape = internals_->shapeOf(array);

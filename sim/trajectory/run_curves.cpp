@@ -86,15 +86,7 @@ double largestHold(const Figures& figures, HoldKind kind) {
 /// Of the vertices.
 double meanTargetError(const Figures& figures) {
   const std::optional<std::vector<model::Tile>>& target = figures.subject.model.target;
-  if (!target) return kNone;
-  double sum = 0;
-  int count = 0;
-  for (std::size_t i = 0; i < figures.tiles.size(); ++i) {
-    for (std::size_t k = 0; k < figures.tiles[i].vertices.size(); ++k, ++count) {
-      sum += (figures.tiles[i].vertices[k] - (*target)[i].vertices[k]).norm();
-    }
-  }
-  return sum / count;
+  return target ? vertexDistance(figures.tiles, *target).mean : kNone;
 }
 
 /// NaN if the sheet has no exact motion.
@@ -266,16 +258,6 @@ void appendJoints(std::span<const double> openings, const std::optional<Mechanic
   }
 }
 
-double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time) {
-  const auto above = std::ranges::lower_bound(times, time);
-  if (above == times.begin()) return values.front();
-  if (above == times.end()) return values.back();
-  const auto upper = static_cast<std::size_t>(above - times.begin());
-  if (*above == time) return values[upper];
-  const double share = (time - times[upper - 1]) / (times[upper] - times[upper - 1]);
-  return values[upper - 1] + share * (values[upper] - values[upper - 1]);
-}
-
 }  // namespace
 
 bool Curve::hasLine() const {
@@ -329,6 +311,22 @@ RunCurves curvesOf(const TrajectoryReader& run) {
     appendJoints(figures.openings, sample.mechanics, result.joints);
   }
   return result;
+}
+
+double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time) {
+  const auto above = std::ranges::lower_bound(times, time);
+  if (above == times.begin()) return values.front();
+  if (above == times.end()) return values.back();
+  const auto upper = static_cast<std::size_t>(above - times.begin());
+  if (*above == time) return values[upper];
+  const double share = (time - times[upper - 1]) / (times[upper] - times[upper - 1]);
+  return values[upper - 1] + share * (values[upper] - values[upper - 1]);
+}
+
+std::size_t nearestIndex(const std::vector<double>& times, double time) {
+  const auto nearest =
+      std::ranges::min_element(times, {}, [time](double other) { return std::abs(other - time); });
+  return static_cast<std::size_t>(nearest - times.begin());
 }
 
 RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {

@@ -89,6 +89,14 @@ RunCurves curvesOf(const TrajectoryReader& run);
 /// the samples; NaN if either side is NaN.
 RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times);
 
+/// The value at a time, linear between those at one or more ascending times (or other numbers),
+/// constant beyond. NaN if a value that it needs is NaN.
+double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time);
+
+/// The index of the entry of one or more ascending times that is nearest to `time`; of two that are
+/// equally near, the earlier one.
+std::size_t nearestIndex(const std::vector<double>& times, double time);
+
 // ------------------------------------------------------------------------------------------------
 // Measures of a whole sheet in one state: sizes, areas, openings.
 
