@@ -95,7 +95,8 @@ void appendPoints(const Polygon& polygon, const Vector3& normal, const Vector3& 
   }
 }
 
-/// The corners of the convex hull of points in a plane, anticlockwise about the normal.
+/// The corners of the convex hull of points in a plane, anticlockwise about the normal. The first
+/// corner is the first of the points that is one: the order does not change if all points turn.
 Polygon hullOf(const std::vector<Vector3>& points, const Vector3& normal, double flatness) {
   const Vector3& origin = points.front();
   const Vector3 x = normal.unitOrthogonal(), y = normal.cross(x);
@@ -103,8 +104,11 @@ Polygon hullOf(const std::vector<Vector3>& points, const Vector3& normal, double
   for (const Vector3& point : points) {
     flat.emplace_back(x.dot(point - origin), y.dot(point - origin));
   }
+  std::vector<Eigen::Vector2d> outline = model::convexOutline(flat, flatness);
+  const auto first = std::find_first_of(flat.begin(), flat.end(), outline.begin(), outline.end());
+  std::ranges::rotate(outline, std::ranges::find(outline, *first));
   Polygon hull;
-  for (const Eigen::Vector2d& corner : model::convexOutline(std::move(flat), flatness)) {
+  for (const Eigen::Vector2d& corner : outline) {
     hull.push_back(origin + corner.x() * x + corner.y() * y);
   }
   return hull;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/mechanics/friction_region.h"
 #include "tests/sim/run/moving.h"
 #include "tests/support/physics.h"
 
@@ -232,6 +233,30 @@ TEST(BrickOnBrick, SlidesForwardAndBackToTheTolerance) {
     pair.run(24);
     EXPECT_NEAR(pair.motion.poses[0].position.x(), lowerMove, tolerance) << tolerance;
     EXPECT_NEAR(pair.motion.poses[1].position.x(), upperMove, tolerance) << tolerance;
+  }
+}
+
+// Steps combine the forces of friction points by their order, while the brick turns.
+TEST(FrictionRegion, TurnsWithItsCorners) {
+  std::vector<Vector3> corners;
+  for (int k = 0; k < 5; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 5;
+    corners.emplace_back(std::cos(angle), std::sin(angle), 0);
+  }
+  for (const std::size_t count : {2, 3, 5}) {
+    const std::vector<Vector3> touching(corners.begin(), corners.begin() + static_cast<int>(count));
+    const Vector3 centre = 0.4 * corners[0] + 0.6 * corners[1];
+    const auto points = mechanics::FrictionRegion(touching, Vector3::UnitZ()).points(centre);
+    for (double angle = 0.1; angle < 6.3; angle += 0.1) {
+      const Quaternion turn = rotationFromVector(Vector3(0, 0, angle));
+      std::vector<Vector3> turned;
+      for (const Vector3& corner : touching) turned.push_back(turn * corner);
+      const auto now = mechanics::FrictionRegion(turned, Vector3::UnitZ()).points(turn * centre);
+      ASSERT_EQ(now.size(), points.size());
+      for (std::size_t k = 0; k < now.size(); ++k) {
+        EXPECT_LE((now[k].point - turn * points[k].point).norm(), 1e-12) << angle;
+      }
+    }
   }
 }
 
