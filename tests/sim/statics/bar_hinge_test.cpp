@@ -218,6 +218,19 @@ struct Waterbomb {
   std::vector<statics::NodeGrip> grips;
 };
 
+/// The number of negative eigenvalues of the Hessian within the constraints.
+int negativesWithin(const mechanics::LoadedSheet& sheet, const Eigen::VectorXd& q) {
+  const Eigen::MatrixXd J = sheet.jacobian(q);
+  const Eigen::MatrixXd free = Eigen::FullPivLU<Eigen::MatrixXd>(J).kernel();
+  const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(free).householderQ() *
+                                Eigen::MatrixXd::Identity(q.size(), free.cols());
+  const Eigen::MatrixXd within =
+      basis.transpose() * Eigen::MatrixXd(sheet.hessian(q, 1, Eigen::VectorXd())) * basis;
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(within).eigenvalues();
+  return static_cast<int>((values.array() < 0).count());
+}
+
 /// The equilibrium at the load 1, by plain Newton steps of equal length along the path on the dense
 /// equations: energy, force, loads at which the load turns back, and the negative eigenvalues of
 /// the Hessian within the constraints.
@@ -273,16 +286,9 @@ PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
   now += (1 - now[n + m]) / (now[n + m] - last[n + m]) * (now - last);
   EXPECT_TRUE(close(now, Eigen::VectorXd::Unit(n + m + 1, n + m)));
   const Eigen::VectorXd q = now.head(n), multipliers = now.segment(n, m);
-  const Eigen::MatrixXd free = Eigen::FullPivLU<Eigen::MatrixXd>(J).kernel();
-  const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(free).householderQ() *
-                                Eigen::MatrixXd::Identity(n, free.cols());
-  const Eigen::MatrixXd within =
-      basis.transpose() * Eigen::MatrixXd(sheet.hessian(q, 1, multipliers)) * basis;
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(within).eigenvalues();
   end.energy = sheet.energy(q);
   end.force = sheet.force(0, 1, multipliers);
-  end.negatives = static_cast<int>((values.array() < 0).count());
+  end.negatives = negativesWithin(sheet, q);
   return end;
 }
 
@@ -367,6 +373,67 @@ TEST(BarHingeSheets, OfRandomShapeHaveOnePathForAnyNumberOfStates) {
       }
     }
   }
+}
+
+/// A storey of a Kresling tower: a ring of triangles between two polygons. The lower one is held,
+/// the upper one is pressed down.
+statics::BarHingeSheet storey(int sides, double twist, double press) {
+  statics::BarHingeModel model;
+  for (const double level : {0.0, 1.0}) {
+    for (int k = 0; k < sides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / sides + level * twist;
+      model.nodes.emplace_back(std::cos(angle), std::sin(angle), level);
+    }
+  }
+  const auto node = [&](int k) { return model.nodes[static_cast<std::size_t>(k)]; };
+  const auto addBar = [&](int a, int b) {
+    const double length = (node(b) - node(a)).norm();
+    model.bars.push_back({a, b, length, 5e3 / length});
+  };
+  const auto addFold = [&](int a, int b, int left, int right) {
+    const double rest = statics::foldAngle({node(a), node(b), node(left), node(right)});
+    model.folds.push_back({{a, b, left, right}, 0.05, rest});
+  };
+  for (int k = 0; k < sides; ++k) {
+    const int next = (k + 1) % sides, up = sides + k, nextUp = sides + next;
+    for (const auto& [a, b] : {std::pair(k, next), {up, nextUp}, {k, up}, {next, up}}) addBar(a, b);
+    addFold(next, up, k, nextUp);
+    addFold(k, up, sides + (k + sides - 1) % sides, next);
+  }
+  std::vector<statics::NodeGrip> grips;
+  for (int k = 0; k < sides; ++k) {
+    model.fixed.push_back(k);
+    grips.push_back({{{sides + k}}, Vector3::UnitZ(), -press, false});
+  }
+  return {std::move(model), std::move(grips)};
+}
+
+// The count of unstable modes is that of the stiffness within the constraints, and no change of it
+// is without a row.
+TEST(BarHingeSheets, ReportEachChangeOfStability) {
+  int changes = 0;
+  const auto expectRows = [&](const statics::BarHingeSheet& sheet) {
+    const mechanics::LoadPath path = mechanics::followLoad(sheet, 0, {.minStates = 60}, {});
+    ASSERT_TRUE(path.arrives) << path.trouble;
+    const mechanics::Equilibrium* last = &path.states.front();
+    bool isReported = true;
+    for (const mechanics::Equilibrium& state : path.states) {
+      isReported |= state.turning != mechanics::Turning::None;
+      if (state.turning != mechanics::Turning::None) continue;
+      EXPECT_EQ(state.unstableModes, negativesWithin(sheet, state.coordinates)) << state.load;
+      if (state.unstableModes != last->unstableModes) {
+        EXPECT_TRUE(isReported) << last->load << " to " << state.load;
+        ++changes;
+      }
+      last = &state;
+      isReported = false;
+    }
+  };
+  for (const double twist : {0.5, 0.8}) expectRows(storey(6, twist, 0.6));
+  expectRows(storey(5, 0.6, 0.7));
+  expectRows(Waterbomb(0.1).sheet());
+  for (unsigned seed = 1; seed <= 10; ++seed) expectRows(RandomSheet(seed).sheet());
+  EXPECT_GT(changes, 10);
 }
 
 // A thousand sizes from the origin, coordinates of positions would lose three digits that bars
