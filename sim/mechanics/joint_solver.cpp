@@ -1102,6 +1102,7 @@ constexpr double kForeseeable = 0.1;  // largest ratio of closing moves for extr
 // A factor is used again for the next move if gaps are small and the move reduced them by
 // kFactorKept. With wide gaps, old factors would make the total displacement longer.
 constexpr double kSmallGap = 1e-2;
+constexpr double kNarrowGap = 1e-9;  // needs no fine closing move
 constexpr double kFactorKept = 0.03;
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
@@ -1261,7 +1262,9 @@ template <int D>
 Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Row>& contacts,
                                         const std::function<double(const Row&)>& aim) const {
   Vector move = Vector::Zero(program_.x.size());
-  for (int solution = 0; solution < (settings_.isFine ? 2 : 1); ++solution) {
+  const bool isFine =
+      settings_.isFine && system_.largestOfPivots(gaps) > kNarrowGap * settings_.lengthScale;
+  for (int solution = 0; solution < (isFine ? 2 : 1); ++solution) {
     Vector rest = -system_.timesA(move);
     system_.addJointImpulse(-system_.kappa(), gaps + system_.jointVelocity(move), rest);
     for (const Row& row : contacts) {
