@@ -413,6 +413,7 @@ bool Stepper<D>::boundNewFriction(const Poses& start) {
 template <int D>
 void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   program_.contacts.clear();
+  program_.settlesSlowContacts = false;
   addSupports(start, step);
   if (!contactSource_) return;
   contactSource_->startStep(start);
@@ -783,6 +784,7 @@ std::vector<brick::Contact> Stepper<D>::pushingContacts() const {
 template <int D>
 void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
   program_.contacts.clear();
+  program_.settlesSlowContacts = true;
   addSupports(poses, step);
   for (Row row : kept_.contacts) {
     placeRow(row, poses);
@@ -1328,6 +1330,7 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   program_.force = system_.timesA(program_.x);
   program_.multipliers.setZero();
   program_.contacts.clear();
+  program_.settlesSlowContacts = true;
   for (Row row : kept_.contacts) {
     placeRow(row, motion.poses);
     holdPinned(row);

@@ -873,7 +873,8 @@ RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow
     const bool bold = smooth || round < kBoldRounds;
     const double length = bold ? 1.0 : lineSearch(system, program, dx, slope.dot(dx));
     program.x += length * dx;
-    if (smooth) return {true, change, 0};
+    // Rounding may change the states of jammed bricks in every round.
+    if (smooth && (!program.settlesSlowContacts || round >= kBoldRounds)) return {true, change, 0};
     // While no contact changes state the function is quadratic and a whole step is its minimum.
     const bool changed = setContactStates(program, system.rho());
     if (!changed && length == 1.0) return {true, change, 0};

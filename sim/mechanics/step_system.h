@@ -552,10 +552,12 @@ extern template class StepSystem<6>;
 /// inequalities and friction.
 template <int D>
 struct StepProgram {
-  Eigen::VectorXd x;                    ///< the start of the search, then its end
-  Eigen::VectorXd force;                ///< f
-  Eigen::VectorXd multipliers;          ///< of the joint rows
-  bool exactJoints = true;              ///< or springs, with fixed multipliers
+  Eigen::VectorXd x;            ///< the start of the search, then its end
+  Eigen::VectorXd force;        ///< f
+  Eigen::VectorXd multipliers;  ///< of the joint rows
+  bool exactJoints = true;      ///< or springs, with fixed multipliers
+  /// Whether slow contacts change state too. Impulses are then exact for any normal speed.
+  bool settlesSlowContacts = false;
   std::vector<ContactRow<D>> contacts;  ///< possible contacts
 };
 
