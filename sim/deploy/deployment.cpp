@@ -32,6 +32,7 @@
 #include "sim/run/rest.h"
 #include "sim/run/run.h"
 #include "sim/run/run_drive.h"
+#include "sim/run/run_figures.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
@@ -315,7 +316,7 @@ run::DeploymentResult runTwice(const scene::Scene& scene, const path::DynamicPat
 
 /// Takes the planned path, or chooses a dynamic path and adapts the scene's contacts to it.
 void selectPath(scene::Scene& scene, Search& found, run::SearchBudget& budget,
-                const run::TrialObserver& watch, std::vector<run::TrialEnd>& trials) {
+                const run::TrialObserver& watch, std::optional<run::TrialEnd>& straightPull) {
   if (found.planned.path) {
     std::string warning = path::overlapWarning(scene, found.planned);
     if (warning.empty()) return;
@@ -324,7 +325,7 @@ void selectPath(scene::Scene& scene, Search& found, run::SearchBudget& budget,
     return;
   }
   if (scene.path.kind == scene::PathKind::Auto) scene.path.kind = scene::PathKind::Dynamic;
-  found.dynamic = path::chooseDynamicPath(scene, found.nearest, budget, watch, trials);
+  found.dynamic = path::chooseDynamicPath(scene, found.nearest, budget, watch, straightPull);
   scene.environment.contacts = found.dynamic.contacts;
   if (!found.planned.trouble.empty())
     found.dynamic.reason += "; dynamics: " + found.planned.trouble;
@@ -427,25 +428,26 @@ run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInt
   const double startSeconds = threadCpuSeconds() - searchSeconds;
   run::SearchBudget budget;
   bool shouldContinue = true;
-  std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
+  std::optional<run::TrialEnd> ownTrial;
+  std::optional<run::TrialEnd>& straightPull = checkpoints ? checkpoints->straightPull() : ownTrial;
+  bool isSaved = straightPull.has_value();
   const run::TrialObserver watchSearch = [&](const run::SearchNews& news) {
     shouldContinue = shouldContinue && (!searching || searching(news));
     searchSeconds = threadCpuSeconds() - startSeconds;
-    const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
+    const bool isNew = checkpoints && straightPull && !isSaved;
     if (isNew && (!shouldContinue || checkpoints->isDue())) {
       checkpoints->save({});
-      savedTrials = checkpoints->trials().size();
+      isSaved = true;
     }
     return shouldContinue;
   };
-  std::vector<run::TrialEnd> trials;
   Search found;
   try {
     const InterruptionCatcher catcher;
     search(scene, budget, watchSearch, found);
     if (found.misfit > 0) scene.model.rounding = found.misfit;
     const scene::Scene whole = scene;
-    selectPath(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
+    selectPath(scene, found, budget, watchSearch, straightPull);
     if (mayLeavePlane(whole, scene, found)) leavePlane(whole, scene, found, watchSearch);
   } catch (const Interrupted&) {
     shouldContinue = false;
@@ -454,7 +456,7 @@ run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInt
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that ended early ends the run at its start, possibly on another path.
   if (!shouldContinue) checkpoints = nullptr;
-  path::OverlapWatch overlaps(given);
+  run::OverlapWatch overlaps(given);
   const run::SampleObserver takeSample = [&](const trajectory::Sample& sample) {
     overlaps.observe(sample.poses);
     return observer(sample) && shouldContinue;

@@ -17,26 +17,10 @@
 #include "sim/run/arrival.h"
 #include "sim/run/dynamics.h"
 #include "sim/run/run.h"
+#include "sim/run/run_figures.h"
 #include "sim/scene/scene_needs.h"
 
 namespace kirireel::path {
-
-OverlapWatch::OverlapWatch(const scene::Scene& scene)
-    : filter_(scene.environment.contacts),
-      bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
-      pivots_(brick::makePivots(scene.model.joints, bricks_)),
-      meter_(run::overlapMeter(scene.environment, bricks_, pivots_,
-                               brick::startPoses(scene.model.tiles, bricks_))) {}
-
-void OverlapWatch::observe(const Poses& poses) {
-  if (filter_ != scene::ContactFilter::Unjoined) return;
-  grown_ = meter_.grownAt(poses, grown_);
-}
-
-double OverlapWatch::grown(const run::Accuracy& accuracy) const {
-  if (filter_ == scene::ContactFilter::None) return 0;
-  return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
-}
 
 namespace {
 
@@ -93,7 +77,7 @@ run::TrialEnd tryStraightPull(const BareScene& bare, const run::AssembledState& 
   scene::Scene trial = scene::withoutEnvironment(bare.scene);
   trial.path.kind = scene::PathKind::Straight;
   trial.stop = scene::StopRules{};  // the run's own time may be too short for any path
-  OverlapWatch overlaps(bare.scene);
+  run::OverlapWatch overlaps(bare.scene);
   const run::Run* running = nullptr;
   run::RunObservers watch;
   watch.sampleInterval = kCheckTime;
@@ -153,22 +137,22 @@ scene::ContactFilter contactsOf(const scene::Scene& scene) {
 /// The straight pull, or the planner's path as guide.
 DynamicPath searchPath(const scene::Scene& scene, const run::AssembledState& nearest,
                        run::SearchBudget& budget, const run::TrialObserver& observer,
-                       std::vector<run::TrialEnd>& trials) {
+                       std::optional<run::TrialEnd>& straightPull) {
   const BareScene bare(scene);
   const run::AssembledState goal = bare.inAxes(nearest);
   bool isOver = false;
-  if (trials.empty()) {
+  if (!straightPull) {
     const run::TrialEnd end = tryStraightPull(bare, goal, [&] {
       isOver = isOver || !observer({kStraightPull, budget.share()});
       return !isOver;
     });
-    if (!isOver) trials.push_back(end);
+    if (!isOver) straightPull = end;
   }
   DynamicPath found{scene.path, "the search was interrupted",
                     contactsIfOn(scene.environment.contacts)};
   found.path.kind = scene::PathKind::Straight;
   if (isOver) return found;
-  const run::TrialEnd& straight = trials.front();
+  const run::TrialEnd& straight = *straightPull;
   budget.spend(straight.work);
   const bool isContactOpen = scene.environment.contacts == scene::ContactFilter::Auto;
   const scene::ContactFilter without =
@@ -211,7 +195,7 @@ DynamicPath searchPath(const scene::Scene& scene, const run::AssembledState& nea
 
 DynamicPath chooseDynamicPath(const scene::Scene& scene, const run::AssembledState& nearest,
                               run::SearchBudget& budget, const run::TrialObserver& observer,
-                              std::vector<run::TrialEnd>& trials) {
+                              std::optional<run::TrialEnd>& straightPull) {
   const run::TrialObserver watch =
       observer ? observer : [](const run::SearchNews&) { return true; };
   scene::PathSettings straight = scene.path;
@@ -238,7 +222,7 @@ DynamicPath chooseDynamicPath(const scene::Scene& scene, const run::AssembledSta
   if (scene.hinges.areOn()) return {straight, "hinges have springs", contacts};
   if (drive != scene::Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target", contacts};
-  return searchPath(scene, nearest, budget, watch, trials);
+  return searchPath(scene, nearest, budget, watch, straightPull);
 }
 
 }  // namespace kirireel::path

@@ -1,8 +1,8 @@
 /// Selects the path of a run with dynamics.
 #pragma once
 
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/path/planner.h"
 #include "sim/run/result.h"
@@ -23,28 +23,10 @@ struct DynamicPath {
 /// is taken if it reaches the equilibrium of the scene's springs near the target, and bricks that
 /// may touch do not overlap. Otherwise springs guide the tiles along the path of planPath(). If
 /// there is no pull to a target and the tiles' misfit jams exact joints, joints are compliant.
-/// `observer` may be empty. `trials` holds the result of an earlier trial, which is not repeated,
-/// or receives it.
+/// `observer` may be empty. `straightPull` holds the result of an earlier trial, which is not
+/// repeated, or receives it.
 DynamicPath chooseDynamicPath(const scene::Scene& scene, const run::AssembledState& nearest,
                               run::SearchBudget& budget, const run::TrialObserver& observer,
-                              std::vector<run::TrialEnd>& trials);
-
-/// Measures the growth of overlaps beyond the start, for the contacts that a scene requests.
-class OverlapWatch {
- public:
-  explicit OverlapWatch(const scene::Scene& scene);
-
-  /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
-  void observe(const Poses& poses);
-  /// The largest growth so far, metres. 0 if the user switched contacts off.
-  double grown(const run::Accuracy& accuracy) const;
-
- private:
-  scene::ContactFilter filter_;
-  std::vector<brick::Brick> bricks_;
-  std::vector<brick::Pivot> pivots_;
-  trajectory::PenetrationMeter meter_;
-  double grown_ = 0;
-};
+                              std::optional<run::TrialEnd>& straightPull);
 
 }  // namespace kirireel::path

@@ -75,7 +75,7 @@ void Checkpoints::remove() {
         fmt::format("{}: error: the checkpoint of an earlier run cannot be removed ({})",
                     folder_.string(), error.message()));
   }
-  trials_.clear();
+  straightPull_.reset();
   searchSeconds_ = 0;
   sampleFiles_.clear();
   run_ = {};

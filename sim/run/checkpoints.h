@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,8 +51,8 @@ class Checkpoints {
   /// Writes a checkpoint of a run, or of the search before it. Throws OutputError.
   void save(RunState run);
 
-  /// Results of the trials of the path search, in order.
-  std::vector<TrialEnd>& trials() { return trials_; }
+  /// Result of the straight pull, if the search has tried it.
+  std::optional<TrialEnd>& straightPull() { return straightPull_; }
   /// CPU seconds of the search, including earlier processes.
   double& searchSeconds() { return searchSeconds_; }
   /// Receives the samples, each with the run's data at that time.
@@ -65,7 +66,9 @@ class Checkpoints {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void transfer(StateTape& tape) { tape.transfer(trials_, searchSeconds_, sampleFiles_, run_); }
+  void transfer(StateTape& tape) {
+    tape.transfer(straightPull_, searchSeconds_, sampleFiles_, run_);
+  }
   std::filesystem::path samplesFile(std::size_t index) const;
   StateTape readSamples(std::size_t index) const;
   void write(const std::filesystem::path& path, const StateTape& tape) const;
@@ -74,7 +77,7 @@ class Checkpoints {
   std::filesystem::path folder_;
   std::string order_;
   CheckpointPace pace_;
-  std::vector<TrialEnd> trials_;
+  std::optional<TrialEnd> straightPull_;
   double searchSeconds_ = 0;
   StateTape samples_;                     // since the last checkpoint
   std::vector<std::size_t> sampleFiles_;  // count of numbers in each

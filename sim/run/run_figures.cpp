@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::run {
@@ -193,6 +194,23 @@ void RunFigures::transfer(StateTape& tape) {
 void RunFigures::transferStates(StateTape& tape) {
   tape.transfer(states_, steps_, gaps_.before, gaps_.now, lastSample_.time, lastSample_.poses,
                 isCompliant_);
+}
+
+OverlapWatch::OverlapWatch(const scene::Scene& scene)
+    : filter_(scene.environment.contacts),
+      bricks_(brick::makeBricks(scene.model.tiles, scene.brick)),
+      pivots_(brick::makePivots(scene.model.joints, bricks_)),
+      meter_(overlapMeter(scene.environment, bricks_, pivots_,
+                          brick::startPoses(scene.model.tiles, bricks_))) {}
+
+void OverlapWatch::observe(const Poses& poses) {
+  if (filter_ != scene::ContactFilter::Unjoined) return;
+  grown_ = meter_.grownAt(poses, grown_);
+}
+
+double OverlapWatch::grown(const Accuracy& accuracy) const {
+  if (filter_ == scene::ContactFilter::None) return 0;
+  return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
 }
 
 }  // namespace kirireel::run

@@ -9,6 +9,7 @@
 #include "sim/run/assembled_state.h"
 #include "sim/run/result.h"
 #include "sim/run/state_interpolator.h"
+#include "sim/scene/scene.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
@@ -116,6 +117,24 @@ class RunFigures {
   StateInterpolator interpolator_;
   TimedState lastSample_;     // empty poses before the first sample
   bool isCompliant_ = false;  // whether joints were compliant in the last step
+};
+
+/// Measures the growth of overlaps beyond the start, for the contacts that a scene requests.
+class OverlapWatch {
+ public:
+  explicit OverlapWatch(const scene::Scene& scene);
+
+  /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
+  void observe(const Poses& poses);
+  /// The largest growth so far, metres. 0 if the user switched contacts off.
+  double grown(const Accuracy& accuracy) const;
+
+ private:
+  scene::ContactFilter filter_;
+  std::vector<brick::Brick> bricks_;
+  std::vector<brick::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
+  double grown_ = 0;
 };
 
 }  // namespace kirireel::run

@@ -125,8 +125,9 @@ TEST(Path, AStraightPullIsKeptIfItArrives) {
 /// The path of a scene whose target closes exactly.
 path::DynamicPath choose(const scene::Scene& scene, const run::TrialObserver& observer) {
   run::SearchBudget budget;
-  std::vector<run::TrialEnd> trials;
-  return path::chooseDynamicPath(scene, run::assembleAtTarget(scene), budget, observer, trials);
+  std::optional<run::TrialEnd> straightPull;
+  return path::chooseDynamicPath(scene, run::assembleAtTarget(scene), budget, observer,
+                                 straightPull);
 }
 
 /// Records the tried paths, each once.
