@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kState = "state.h5";
-constexpr const char* kFormat = "kirireel checkpoint 11";
+constexpr const char* kFormat = "kirireel checkpoint 12";
 constexpr const char* kNumbers = "numbers";
 // 4 MB. Samples that wait for a checkpoint need at most this memory, and are still in the
 // processor's cache when they are written.
