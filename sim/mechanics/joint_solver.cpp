@@ -1104,7 +1104,6 @@ constexpr double kForeseeable = 0.1;  // largest ratio of closing moves for extr
 // A factor is used again for the next move if gaps are small and the move reduced them by
 // kFactorKept. With wide gaps, old factors would make the total displacement longer.
 constexpr double kSmallGap = 1e-2;
-constexpr double kNarrowGap = 1e-9;  // its closing error is below rounding, see closingMove()
 constexpr double kFactorKept = 0.03;
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
@@ -1259,14 +1258,12 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
 
 /// The smallest displacement in the metric A that closes these gaps and moves the bricks of active
 /// contacts apart by these distances. The weight of joints in the factor leaves an error of 1e-6 of
-/// the gaps along the mechanism. A fine solver removes it by a second solution if gaps are wide.
+/// the gaps along the mechanism. A fine solver removes it by a second solution.
 template <int D>
 Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Row>& contacts,
                                         const std::function<double(const Row&)>& aim) const {
   Vector move = Vector::Zero(program_.x.size());
-  const bool isFine =
-      settings_.isFine && system_.largestOfPivots(gaps) > kNarrowGap * settings_.lengthScale;
-  for (int solution = 0; solution < (isFine ? 2 : 1); ++solution) {
+  for (int solution = 0; solution < (settings_.isFine ? 2 : 1); ++solution) {
     Vector rest = -system_.timesA(move);
     system_.addJointImpulse(-system_.kappa(), gaps + system_.jointVelocity(move), rest);
     for (const Row& row : contacts) {
