@@ -218,7 +218,7 @@ struct Waterbomb {
   std::vector<statics::NodeGrip> grips;
 };
 
-/// The number of negative eigenvalues of the Hessian within the constraints.
+/// The number of negative eigenvalues of the Hessian within the constraints, which are linear.
 int negativesWithin(const mechanics::LoadedSheet& sheet, const Eigen::VectorXd& q) {
   const Eigen::MatrixXd J = sheet.jacobian(q);
   const Eigen::MatrixXd free = Eigen::FullPivLU<Eigen::MatrixXd>(J).kernel();
